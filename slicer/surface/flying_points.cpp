@@ -46,8 +46,6 @@ class FlyingPoints {
   }
 
  private:
-  bool is_surface(std::uint32_t i) const { return cloud_.normal[i].point_class != PointClass::kNoise; }
-
   /// Makes the points marked last surface again.
   /// @param count  how many stay marked
   void restore(std::uint32_t count) {
@@ -63,7 +61,7 @@ class FlyingPoints {
     const std::uint32_t count_before = count_;
     std::size_t size = 0;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      if (is_surface(i)) order_[size++] = i;
+      if (cloud_.is_surface(i)) order_[size++] = i;
     }
     const auto farther = [&](std::uint32_t a, std::uint32_t b) {
       const float x = sign * cloud_.position[a][axis];
@@ -94,7 +92,7 @@ class FlyingPoints {
 
   std::uint32_t nearest(std::uint32_t i, std::span<Neighbour> found) const {
     return tree_.nearest(cloud_.position[i], found,
-                         [&](std::uint32_t other) { return other != i && is_surface(other); });
+                         [&](std::uint32_t other) { return other != i && cloud_.is_surface(other); });
   }
 
   bool is_flying(std::uint32_t i) const {
@@ -183,14 +181,13 @@ class FlyingPoints {
 
 }  // namespace
 
-Expected<std::uint32_t> mark_flying_points(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering,
+Expected<std::uint32_t> mark_flying_points(Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering,
                                            Arena& arena) {
   const ArenaScope scope(arena);
   std::span<std::uint32_t> order, marked;
   PLUMBLINE_TRY(arena.take_top(order, cloud.size, kStage));
   PLUMBLINE_TRY(arena.take_top(marked, cloud.size / kMostShare, kStage));
   const std::uint32_t count = FlyingPoints(cloud, tree, clustering, order, marked).mark();
-  if (count > 0) clustering.points = count_classes(cloud.normal.first(cloud.size));
   return count;
 }
 

@@ -25,11 +25,11 @@ namespace plumbline {
 /// If more than a twentieth of the points are flying, the scan is not understood, and no point is marked.
 ///
 /// @param cloud       in the order of `tree`, with classes; noise is not used
-/// @param clustering  epsilon above 0; `points` is counted anew if points were marked
+/// @param clustering  epsilon above 0
 /// @param arena       a fifth more than four bytes a point from the top, released on return
 /// @returns how many points were marked
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Expected<std::uint32_t> mark_flying_points(Cloud& cloud, const KdTree3& tree,
-                                                         ClusteringResult& clustering, Arena& arena);
+                                                         const ClusteringResult& clustering, Arena& arena);
 
 }  // namespace plumbline

@@ -44,25 +44,22 @@ std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tr
   return std::sqrt(farthest2 / static_cast<float>(near));
 }
 
-Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                             ClusteringResult& result, const StageProgress& progress) {
+Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings, float epsilon,
+                             const StageProgress& progress) {
   const float growth = std::sqrt(cloud.support_points);
   const auto rescue_block = [&](std::uint32_t first, std::uint32_t last) {
     for (std::uint32_t i = first; i < last; ++i) {
       PackedNormal& normal = cloud.normal[i];
-      if (normal.point_class != PointClass::kNoise || !normal.known()) continue;
+      if (cloud.is_surface(i) || !normal.known()) continue;
       // Reads no class or radius of another point, so the order of the points does not matter.
-      const auto radius = sparse_surface_radius(cloud, tree, i, result.epsilon, settings);
+      const auto radius = sparse_surface_radius(cloud, tree, i, epsilon, settings);
       if (!radius) continue;
       normal.point_class = orientation_of(normal);
       cloud.radius[i] = std::max(cloud.radius[i], growth * *radius);
     }
   };
-  if (!for_blocks(cloud.size, kBlock, progress, rescue_block)) {
-    return fail(ErrorCode::kCancelled, "cancelled while sparse parts of the surface were looked for");
-  }
-  result.points = count_classes(cloud.normal.first(cloud.size));
-  return {};
+  if (for_blocks(cloud.size, kBlock, progress, rescue_block)) return {};
+  return fail(ErrorCode::kCancelled, "cancelled while sparse parts of the surface were looked for");
 }
 
 }  // namespace plumbline

@@ -26,9 +26,8 @@ std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tr
 /// Repeats that test for all noise points. Many were noise because of a wrong normal, so call it after refine_normals()
 /// has fitted new ones. Don't call it where most points are outliers: a few of them always happen to face the same way.
 /// @param cloud   in the order of `tree`; sets class and radius[] of the points that are noise no more
-/// @param result  of cluster(); its counts are updated
 /// @retval ErrorCode::kCancelled
 [[nodiscard]] Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                                           ClusteringResult& result, const StageProgress& progress = {});
+                                           float epsilon, const StageProgress& progress = {});
 
 }  // namespace plumbline

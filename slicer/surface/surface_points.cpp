@@ -50,11 +50,10 @@ void cut_floor(Cloud& cloud, const SurfaceSettings& settings, SurfacePoints& sur
   if (!surface.floor) return;
   for (std::uint32_t i = 0; i < cloud.size; ++i) {
     PackedNormal& normal = cloud.normal[i];
-    if (normal.point_class == PointClass::kNoise || !surface.floor->cuts(cloud.position[i])) continue;
+    if (!cloud.is_surface(i) || !surface.floor->cuts(cloud.position[i])) continue;
     normal.point_class = PointClass::kNoise;
     ++surface.floor_points;
   }
-  surface.clustering.points = count_classes(cloud.normal.first(cloud.size));
 }
 
 }  // namespace
@@ -75,20 +74,24 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
   SurfacePoints surface;
   surface.clustering = *clustered;
   ClusteringResult& clustering = surface.clustering;
+  const auto count_points = [&] { clustering.points = count_classes(cloud.normal.first(cloud.seen())); };
+  const auto is_found = [&] {
+    count_points();
+    return surface.found();
+  };
   if (clustering.coherent) {
     PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(kClustered, kRefined)));
-    PLUMBLINE_TRY(
-        rescue_sparse_surface(cloud, tree, clustering_settings, clustering, progress.part(kRefined, kRescued)));
+    PLUMBLINE_TRY(rescue_sparse_surface(cloud, tree, clustering_settings, *epsilon, progress.part(kRefined, kRescued)));
   }
   // Beside a large floor a small object looks like a stray piece, and beside stray pieces a floor may not look like one.
-  if (surface.found()) cut_floor(cloud, settings, surface);
-  if (!settings.keep_strays && surface.found()) {
+  if (is_found()) cut_floor(cloud, settings, surface);
+  if (!settings.keep_strays && is_found()) {
     const auto strays = mark_stray_pieces(cloud, clustering, arena);
     PLUMBLINE_TRY(strays);
     surface.strays = *strays;
     if (strays->pieces > 0 && !surface.floor) cut_floor(cloud, settings, surface);
   }
-  if (surface.found()) {
+  if (is_found()) {
     const auto flying = mark_flying_points(cloud, tree, clustering, arena);
     PLUMBLINE_TRY(flying);
     surface.flying_points = *flying;
@@ -98,11 +101,12 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
   if (settings.normals == NormalSource::kPoints && clustering.coherent && cloud.support_points > narrow) {
     PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(kSized, kRefinedAgain)));
   }
-  if (surface.found()) {
+  if (is_found()) {
     const auto walls = continue_bore_walls(cloud, tree, clustering, arena, progress.part(kRefinedAgain, 1));
     PLUMBLINE_TRY(walls);
     surface.bore_walls = *walls;
   }
+  count_points();
   cloud.drop_noise();
   return surface;
 }

@@ -15,11 +15,10 @@ constexpr float kMaxWidth = 8;  ///< epsilons between two walls of a bore; wider
 constexpr float kMinStep = 0.5F;      ///< epsilons; also the least width and the least radius
 constexpr float kRadiusShare = 0.4F;  ///< of the distance searched so far
 constexpr float kStepShare = 0.5F;    ///< of the distance to the nearest point
-constexpr float kPi = std::numbers::pi_v<float>;
 
 }  // namespace
 
-BoreSurface::BoreSurface(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering)
+BoreSurface::BoreSurface(Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering)
     : cloud_(cloud),
       tree_(tree),
       clustering_(clustering),
@@ -65,23 +64,13 @@ void BoreSurface::add(const Vec3f& x, const Vec3f& normal) {
   const std::uint32_t i = cloud_.size++;
   cloud_.position[i] = x;
   cloud_.normal[i] = {};
-  cloud_.normal[i].set(normal);
-  cloud_.normal[i].point_class = orientation_of(cloud_.normal[i]);
-  cloud_.radius[i] = support_over_share_ * kSpacing * epsilon() / std::sqrt(kPi);
+  set_normal(i, normal);
+  cloud_.radius[i] = support_over_share_ * kSpacing * epsilon() * std::sqrt(std::numbers::inv_pi_v<float>);
 }
 
 void BoreSurface::set_normal(std::uint32_t i, const Vec3f& normal) {
   cloud_.normal[i].set(normal);
-  set_class(i, orientation_of(cloud_.normal[i]));
-}
-
-void BoreSurface::mark_noise(std::uint32_t i) { set_class(i, PointClass::kNoise); }
-
-void BoreSurface::set_class(std::uint32_t i, PointClass point_class) {
-  PointClass& current = cloud_.normal[i].point_class;
-  --clustering_.points[current];
-  ++clustering_.points[point_class];
-  current = point_class;
+  cloud_.normal[i].point_class = orientation_of(cloud_.normal[i]);
 }
 
 }  // namespace plumbline

@@ -28,7 +28,7 @@ class BoreSurface {
   static constexpr float kSpacing = 0.5F;
 
   /// @param cloud  classes and radius[] set; added points become its last
-  BoreSurface(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering);
+  BoreSurface(Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering);
 
   float epsilon() const { return clustering_.epsilon; }
   float noise() const { return clustering_.noise; }
@@ -38,7 +38,7 @@ class BoreSurface {
   const Vec3f& position(std::uint32_t i) const { return cloud_.position[i]; }
   Vec3f normal(std::uint32_t i) const { return cloud_.normal[i].unpack(); }
 
-  bool is_surface(std::uint32_t i) const { return cloud_.normal[i].point_class != PointClass::kNoise; }
+  bool is_surface(std::uint32_t i) const { return cloud_.is_surface(i); }
 
   /// Radius of a disc as large as point i's share of the surface, epsilon at most.
   float share_radius(std::uint32_t i) const { return std::min(cloud_.radius[i] / support_over_share_, epsilon()); }
@@ -77,14 +77,12 @@ class BoreSurface {
 
   /// Sets the normal of a point and makes it part of the surface.
   void set_normal(std::uint32_t i, const Vec3f& normal);
-  void mark_noise(std::uint32_t i);
+  void mark_noise(std::uint32_t i) { cloud_.normal[i].point_class = PointClass::kNoise; }
 
  private:
-  void set_class(std::uint32_t i, PointClass point_class);
-
   Cloud& cloud_;
   const KdTree3& tree_;
-  ClusteringResult& clustering_;
+  const ClusteringResult& clustering_;
   float support_over_share_;  ///< support radius over the radius of one point's share
   std::uint32_t scanned_;
 };

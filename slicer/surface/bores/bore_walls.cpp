@@ -2,13 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "slicer/core/cell_table.hpp"
+#include "slicer/core/numbers/degrees.hpp"
 #include "slicer/surface/bores/bore_surface.hpp"
 #include "slicer/surface/bores/round_bores.hpp"
 
@@ -129,19 +129,12 @@ class StraightWalls {
   bool is_enclosed(const Vec3f& wall, const Line& line, float width) const {
     const Vec3f axis = wall + line.normal * (0.5F * width);
     const Vec3f sideways = line.chord.cross(line.normal) * (1 / line.length);
-    constexpr float kDiagonal = 0.70710678F;
-    constexpr std::array<std::array<float, 2>, 8> kRound{{{1, 0},
-                                                          {kDiagonal, kDiagonal},
-                                                          {0, 1},
-                                                          {-kDiagonal, kDiagonal},
-                                                          {-1, 0},
-                                                          {-kDiagonal, -kDiagonal},
-                                                          {0, -1},
-                                                          {kDiagonal, -kDiagonal}}};
-    return std::all_of(kRound.begin(), kRound.end(), [&](const auto& direction) {
-      const Vec3f outwards = line.normal * direction[0] + sideways * direction[1];
-      return has_point_facing(axis + outwards * (0.5F * width), outwards * -1, kWallDistance * width);
-    });
+    for (int k = 0; k < 8; ++k) {
+      const SineCosine way = sine_cosine(45 * k);
+      const Vec3f outwards = line.normal * static_cast<float>(way.cosine) + sideways * static_cast<float>(way.sine);
+      if (!has_point_facing(axis + outwards * (0.5F * width), -outwards, kWallDistance * width)) return false;
+    }
+    return true;
   }
 
   /// Whether a surface point within `distance` of x faces `way`.
@@ -185,8 +178,8 @@ std::size_t bore_walls_bytes(std::uint32_t points) {
          Arena::rounded(slots_for(Cloud::spare(points)) * sizeof(std::uint64_t));
 }
 
-Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering, Arena& arena,
-                                        const StageProgress& progress) {
+Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering,
+                                        Arena& arena, const StageProgress& progress) {
   const ArenaScope scope(arena);
   const auto room = arena.take_top<BoreEnd>(kMaxEnds, kStage);
   PLUMBLINE_TRY(room);

@@ -37,10 +37,11 @@ std::size_t bore_walls_bytes(std::uint32_t points);
 ///
 /// @param cloud       in the order of `tree`, classes and radius[] set. New points are appended, up to its capacity,
 ///                    and counted in Cloud::continued. Points of round bores get the normals of their walls
-/// @param clustering  epsilon above 0; its points by class are updated
+/// @param clustering  epsilon above 0
 /// @param arena       bore_walls_bytes() from the top, released on return
 /// @retval ErrorCode::kOutOfMemory, kCancelled
-[[nodiscard]] Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering,
-                                                      Arena& arena, const StageProgress& progress = {});
+[[nodiscard]] Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree,
+                                                      const ClusteringResult& clustering, Arena& arena,
+                                                      const StageProgress& progress = {});
 
 }  // namespace plumbline

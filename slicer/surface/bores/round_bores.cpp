@@ -4,7 +4,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
+#include "slicer/core/numbers/degrees.hpp"
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/surface/bores/cylinder.hpp"
 
@@ -42,30 +44,11 @@ constexpr float kRetryDistance = 0.3F;      ///< widths; no new attempt starts c
 constexpr float kSameAxis = 0.995F;  ///< least inner product of their axes: 6 degrees
 constexpr float kSamePlace = 0.1F;   ///< largest distance of their axes, and difference of their radii, in radii
 
-/// A rotation that advances in equal steps. Its step is given by the tangent of half the angle, since sines differ
-/// between C libraries.
-class Turn {
- public:
-  explicit Turn(float half)
-      : step_cosine_((1 - half * half) / (1 + half * half)), step_sine_(2 * half / (1 + half * half)) {}
-  float cosine() const { return cosine_; }
-  float sine() const { return sine_; }
-  void advance() {
-    const float cosine = cosine_ * step_cosine_ - sine_ * step_sine_;
-    const float sine = sine_ * step_cosine_ + cosine_ * step_sine_;
-    past_half_ |= sine < 0;
-    full_ = past_half_ && sine >= 0;
-    cosine_ = cosine;
-    sine_ = sine;
-  }
-  bool full() const { return full_; }
-
- private:
-  float step_cosine_, step_sine_;
-  float cosine_ = 1, sine_ = 0;
-  bool past_half_ = false, full_ = false;
-};
-constexpr float kTwelfth = 0.13165250F;  ///< tan(7.5 degrees): half a step of 15 degrees
+/// Unit vector at an angle from frame.t towards frame.s.
+Vec3f direction(const Frame& frame, double degrees) {
+  const SineCosine turned = sine_cosine(degrees);
+  return frame.at(static_cast<float>(turned.cosine), static_cast<float>(turned.sine));
+}
 
 /// What lies around a stretch of a cylinder.
 struct Survey {
@@ -108,11 +91,10 @@ class RoundBores {
     const Vec3f n = surface_.normal(end.point);
     const float width = end.width;
     const Frame frame(n);
-    Turn turn(kTwelfth);
     std::array<Cylinder, kDirections> first;
-    for (Cylinder& c : first) {
-      c = {surface_.position(end.point) + n * (0.5F * width), frame.at(turn.cosine(), turn.sine()), 0.5F * width};
-      turn.advance();
+    for (std::size_t k = 0; k < kDirections; ++k) {
+      const Vec3f axis = direction(frame, 180.0 * static_cast<double>(k) / kDirections);
+      first[k] = {surface_.position(end.point) + n * (0.5F * width), axis, 0.5F * width};
     }
     std::array<bool, kDirections> fits = {};
 #pragma omp parallel for schedule(dynamic, 1)
@@ -150,11 +132,12 @@ class RoundBores {
     const float spacing = BoreSurface::kSpacing * surface_.epsilon();
     const Frame frame(c.axis);
     const auto rings = static_cast<int>(bore.walled.length() / spacing) + 1;
+    const auto places = static_cast<int>(2 * std::numbers::pi_v<float> * c.radius / spacing) + 1;  // of a ring
     for (int k = 0; k <= rings; ++k) {
       const float share = static_cast<float>(k) / static_cast<float>(rings);
       const Vec3f middle = c.on_axis(bore.walled.from + bore.walled.length() * share);
-      for (Turn turn(0.5F * spacing / c.radius); !turn.full() && !surface_.full(); turn.advance()) {
-        const Vec3f outwards = frame.at(turn.cosine(), turn.sine());
+      for (int place = 0; place < places && !surface_.full(); ++place) {
+        const Vec3f outwards = direction(frame, 360.0 * place / places);
         const Vec3f x = middle + outwards * c.radius;
         if (!surface_.has_wall(x, -outwards)) surface_.add(x, -outwards);
       }
