@@ -8,7 +8,6 @@
 #include "slicer/core/numbers/median.hpp"
 #include "slicer/views/find_views.hpp"
 #include "slicer/views/local_paraboloid.hpp"
-#include "slicer/views/registration.hpp"
 
 namespace plumbline {
 namespace {
@@ -32,7 +31,7 @@ ScanNoise measure_noise(const Cloud& cloud, const KdTree3& tree) {
   std::array<float, kSample> noises = {};
   std::uint32_t fitted = 0;
   for (std::uint32_t k = 0; k < kSample; ++k) {
-    const auto i = static_cast<std::uint32_t>(std::uint64_t{k} * cloud.size / kSample);
+    const std::uint32_t i = cloud.sampled(k, kSample);
     std::array<Neighbour, LocalParaboloid::kMaxPoints> found = {};
     const std::uint32_t near = tree.nearest(cloud.position[i], found);
     std::array<Vec3d, LocalParaboloid::kMaxPoints> points;
@@ -77,10 +76,7 @@ Expected<ViewAlignment> align_views(Cloud& cloud, const KdTree3& tree, Arena& ar
       register_views(cloud, tree, {*view_of, std::span(found->grids).first(found->count), scan.spacing}, arena,
                      progress.part(kFound, 1));
   PLUMBLINE_TRY(registered);
-  alignment.before = registered->before;
-  alignment.after = registered->after;
-  alignment.moved = registered->moved;
-  alignment.ripple = registered->ripple;
+  static_cast<Registration&>(alignment) = *registered;
   return alignment;
 }
 

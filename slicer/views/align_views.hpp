@@ -6,6 +6,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/views/registration.hpp"
 
 namespace plumbline {
 
@@ -22,12 +23,7 @@ struct ViewCounts {
   std::uint32_t views = 0;   ///< views found
   std::uint32_t points = 0;  ///< points that belong to a view
 };
-struct ViewAlignment : ViewCounts {
-  float before = 0;  ///< RMS distance of the points from the smooth surface around them, in the unit of the cloud
-  float after = 0;   ///< the same after the views were moved
-  float moved = 0;   ///< RMS motion of a view's points, in the unit of the cloud
-  float ripple = 0;  ///< RMS ripple that was removed, in the unit of the cloud; part of `moved`
-};
+struct ViewAlignment : ViewCounts, Registration {};
 
 /// Calls find_views() and register_views() where noise exceeds a fifth of the points' spacing.
 ///

@@ -29,7 +29,6 @@ constexpr int kSearchSteps = 3;       ///< Gauss-Newton steps of a new wave; eve
 constexpr double kRidge = 1e-3;       ///< share of the trace added to the diagonal of the normal equations
 /// Largest change of the phase at the image's side in one step, turns. Beyond that the linearization does not hold.
 constexpr double kMaxTurned = 0.5;
-constexpr double kTurn = 2 * std::numbers::pi;
 
 }  // namespace
 
@@ -65,21 +64,16 @@ Vec3d DepthImage::place(std::uint32_t cell) const {
 void DepthImage::fit(Wave& wave, bool fit_frequency) {
   using Vec5d = Eigen::Matrix<double, 5, 1>;
   using Mat5d = Eigen::Matrix<double, 5, 5>;
-  // Take the phase at the middle, so that a step of the frequency does not change it there.
-  const Phasor middle = wave.at(frame_.middle);
-  Wave about = wave;
-  about.re = wave.re * static_cast<double>(middle.re) + wave.im * static_cast<double>(middle.im);
-  about.im = wave.im * static_cast<double>(middle.re) - wave.re * static_cast<double>(middle.im);
   Mat5d products = Mat5d::Zero();
   Vec5d right = Vec5d::Zero();
   Vec5d terms = Vec5d::Zero();
   for (std::uint32_t i = 0; i < kCells; ++i) {
     if (!(cells_[i].weight > 0)) continue;
     const Vec3d x = place(i);
-    const Phasor p = about.at(x);
+    const Phasor p = wave.at(x);
     terms[0] = static_cast<double>(p.re);
     terms[1] = static_cast<double>(p.im);
-    if (fit_frequency) terms.tail<3>() = (about.im * terms[0] - about.re * terms[1]) * kTurn * x;
+    if (fit_frequency) terms.tail<3>() = (wave.im * terms[0] - wave.re * terms[1]) * (2 * std::numbers::pi) * x;
     products += static_cast<double>(cells_[i].weight) * terms * terms.transpose();
     right += static_cast<double>(cells_[i].offset) * terms;
   }
@@ -91,19 +85,15 @@ void DepthImage::fit(Wave& wave, bool fit_frequency) {
   Vec5d step = products.ldlt().solve(right);
   const double turned = step.tail<3>().norm() * frame_.half_side;
   if (turned > kMaxTurned) step.tail<3>() *= kMaxTurned / turned;
-  const Wave before = about;
-  about.re += step[0];
-  about.im += step[1];
-  about.frequency += step.tail<3>();
+  const Wave before = wave;
+  wave.re += step[0];
+  wave.im += step[1];
+  wave.frequency += step.tail<3>();
   for (std::uint32_t i = 0; i < kCells; ++i) {
     if (!(cells_[i].weight > 0)) continue;
     const Vec3d x = place(i);
-    cells_[i].offset -= cells_[i].weight * static_cast<float>(about.depth(x) - before.depth(x));
+    cells_[i].offset -= cells_[i].weight * static_cast<float>(wave.depth(x) - before.depth(x));
   }
-  const Phasor back = about.at(frame_.middle);
-  wave.frequency = about.frequency;
-  wave.re = about.re * static_cast<double>(back.re) - about.im * static_cast<double>(back.im);
-  wave.im = about.im * static_cast<double>(back.re) + about.re * static_cast<double>(back.im);
 }
 
 std::size_t WaveSearch::bytes() {
@@ -179,6 +169,7 @@ bool WaveSearch::find_strongest(const Ripple& ripple, const DepthFrame& frame, W
 }
 
 void WaveSearch::improve(Ripple& ripple, DepthImage& image) {
+  ripple.middle = image.frame().middle;
   for (std::uint32_t k = 0; k < ripple.waves; ++k) image.fit(ripple.wave[k], true);
   while (ripple.waves < Ripple::kMaxWaves) {
     transform(image.cells());

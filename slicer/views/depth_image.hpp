@@ -39,7 +39,7 @@ class DepthImage {
   /// @param x       where the point was seen, mm from the middle of the scan
   /// @param offset  weight times the distance (mm) that it lies too far along its ray
   void add(const Vec3d& x, double offset, double weight);
-  /// Improves a wave by one least-squares step, and subtracts the change from the image.
+  /// Improves a wave, about the middle of the frame, by one least-squares step, and subtracts the change from the image.
   /// @param fit_frequency  false fits only amplitude and phase
   void fit(Wave& wave, bool fit_frequency);
 

@@ -289,7 +289,7 @@ class ViewFinder {
   bool is_part(std::uint32_t part, std::uint32_t view) const {
     std::uint32_t of_part = 0;
     for (std::uint32_t first = 0; first < cloud_.size; first += thinning_ * kBlock) {
-      const auto of = view_of_.subspan(first, std::min(kBlock, cloud_.size - first));
+      const auto of = views_of_block(first);
       of_part += static_cast<std::uint32_t>(std::count(of.begin(), of.end(), part));
     }
     return count_on(grids_[view], part) * 2 > of_part;

@@ -3,9 +3,11 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "slicer/core/numbers/lanes.hpp"
 
@@ -20,21 +22,17 @@ constexpr std::size_t kRoom = kSample + 1;  ///< points: one more than fit, befo
 /// Growth of the radius in one step. The grid must be right to a third of a pixel at the new radius, so that larger
 /// steps lose it and smaller ones take longer.
 constexpr double kGrowth = 1.4;
-// Distance from the grid within which points count, pixels: from the one that suits a start a third of a pixel off,
-// down to the one that decides which points are the view's.
-constexpr double kCoarse = 0.3;
-constexpr double kMedium = 0.2;
-constexpr double kFine = 0.12;
-constexpr double kFinest = 0.06;
+constexpr double kFinest = 0.06;  ///< pixels: distance from the grid within which points are the view's
+/// Distances from the grid within which points count, pixels, from the one that suits a start a third of a pixel off; and the most
+/// steps with each.
+constexpr std::array kWidths = {std::pair{0.3, 3}, std::pair{0.2, 2}, std::pair{0.12, 2}, std::pair{kFinest, 2}};
 constexpr double kSettled = 0.1;  ///< share of the width: after a step that moves the grid by less comes the next width
 /// Points on a grid above those by chance, in standard deviations. High, since many pairs of peaks are tried.
 constexpr double kSignificance = 8;
-// Range of a pixel's size while its grid grows, over the first: a fit that shrinks or stretches it has left the view.
-constexpr double kMinScale = 0.7;
+/// Largest change of a pixel's size while its grid grows, either way: a fit that shrinks or stretches it more has left the view.
 constexpr double kMaxScale = 1.4;
 constexpr double kViewShare = 0.9;  ///< share of a view's points that its tolerance must hold
 constexpr double kMaxChance = 0.3;  ///< share of the points within the tolerance that may be there by chance
-constexpr double kPi = std::numbers::pi;
 
 /// One thread's part is the whole.
 std::size_t parts_for(std::size_t threads) { return threads > 1 ? threads + 1 : 1; }
@@ -48,14 +46,14 @@ struct Score {
 Score score(std::span<const float> distances2, double width) {
   const auto limit = static_cast<float>(width * width);
   const auto near = std::count_if(distances2.begin(), distances2.end(), [limit](float d2) { return d2 < limit; });
-  return {static_cast<double>(near), kPi * width * width * static_cast<double>(distances2.size())};
+  return {static_cast<double>(near), std::numbers::pi * width * width * static_cast<double>(distances2.size())};
 }
 
 /// Whether the pixels around the middle have kept about their size.
 bool keeps_scale(const ViewGrid& grid, const ViewGrid& first) {
   const double u = grid.map.segment<3>(0).norm() / first.map.segment<3>(0).norm();
   const double v = grid.map.segment<3>(4).norm() / first.map.segment<3>(4).norm();
-  return std::min(u, v) > kMinScale && std::max(u, v) < kMaxScale;
+  return std::min(u, v) > 1 / kMaxScale && std::max(u, v) < kMaxScale;
 }
 
 }  // namespace
@@ -82,7 +80,7 @@ Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree,
 
 /// @returns whether clearly more points lie on the grid than would by chance
 bool GridGrowth::fit(ViewGrid& grid, const LocalPoints& points, double radius) const {
-  for (const auto& [width, steps] : {std::pair{kCoarse, 3}, {kMedium, 2}, {kFine, 2}, {kFinest, 2}}) {
+  for (const auto& [width, steps] : kWidths) {
     for (int step = 0; step < steps; ++step) {
       const auto moved = fit_.improve(grid, points, radius, width);
       if (!moved) return false;

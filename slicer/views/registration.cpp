@@ -156,7 +156,7 @@ class Registrar {
       {
 #pragma omp for schedule(dynamic, 8)
         for (std::uint32_t k = 0; k < here; ++k) {
-          const auto i = static_cast<std::uint32_t>(std::uint64_t{first + k} * cloud_.size / places);
+          const std::uint32_t i = cloud_.sampled(first + k, places);
           if (!places_[k].measure(cloud_, tree_, views_, i)) places_[k].views = 0;
         }
         // Each thread sums up for views of its own, always in the order of the places.

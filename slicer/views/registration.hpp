@@ -13,7 +13,7 @@ namespace plumbline {
 /// Arena bytes that register_views() takes for so many views, without alignment.
 std::size_t register_views_bytes(std::uint32_t views, std::uint32_t threads);
 
-/// Result of register_views(), mm.
+/// Result of register_views(), in the unit of the cloud.
 struct Registration {
   float before = 0;  ///< RMS distance of the points from the smooth surface around them
   float after = 0;   ///< the same after the views were moved; equal to `before` if they were left in place

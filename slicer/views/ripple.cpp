@@ -34,6 +34,6 @@ void Ripple::pack() {
   }
 }
 
-double Ripple::depth(const Vec3d& x) const { return depth_of(packed_.data(), x); }
+double Ripple::depth(const Vec3d& x) const { return depth_of(packed_.data(), x - middle); }
 
 }  // namespace plumbline

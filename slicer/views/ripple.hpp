@@ -29,12 +29,15 @@ struct Wave {
 /// All waves of a view.
 struct Ripple {
   static constexpr std::uint32_t kMaxWaves = 8;  ///< bounds the memory; a search ends when no peak stands out
+  Vec3d middle =
+      Vec3d::Zero();  ///< of the view, which the waves' x counts from: a step of the frequency leaves the phase there
   std::array<Wave, kMaxWaves> wave;
   std::uint32_t waves = 0;
 
   /// Call it after a change of the waves, before depth().
   void pack();
   /// mm
+  /// @param x  where the point was seen, mm from the middle of the scan
   double depth(const Vec3d& x) const;
 
  private:
