@@ -75,17 +75,25 @@ PLUMBLINE_WIDE void add_up(float* column, std::size_t stride, float z, WindingTu
     load(product, column + kProduct * stride + i);
     load(cross, column + kCross * stride + i);
     product += from * to;
+    // About of length one, or the product would grow or vanish: .97 to 1.07 times the length of the number is taken away. A division of
+    // the product itself would wait for the one before it.
+    Lanes size, other;
+    choose(size, product < zero, -product, product);
+    choose(other, cross < zero, -cross, cross);
+    const IntLanes steep = size < other;
+    Lanes larger, smaller;
+    choose(larger, steep, other, size);
+    choose(smaller, steep, size, other);
+    const Lanes shrink = 1.0F / (larger + smaller * 0.375F);
+    product *= shrink;
+    cross *= shrink;
     const Lanes re_of_both = re * product - im * cross;
     const Lanes im_of_both = re * cross + im * product;
     // -1 for each that holds
     whole -= (im >= zero) & (cross >= zero) & (im_of_both < zero);
     whole += (im < zero) & (cross < zero) & (im_of_both >= zero);
-    Lanes size, other;
-    choose(size, re_of_both < zero, -re_of_both, re_of_both);
-    choose(other, im_of_both < zero, -im_of_both, im_of_both);
-    size += other;
-    re = re_of_both / size;
-    im = im_of_both / size;
+    re = re_of_both;
+    im = im_of_both;
   }
   float re_of[kLanes];
   float im_of[kLanes];
@@ -109,12 +117,13 @@ PLUMBLINE_WIDE void see_edges(float* column, std::size_t stride, float z) {
     height -= z;
     const Lanes r2 = x * x + y * y + height * height + length * length * 0.25F;
     square_root(r, r2);
-    const Lanes towards = (outward_x * x + outward_y * y + outward_z * height) / r;
+    const Lanes nearness = 1.0F / r;
+    const Lanes towards = (outward_x * x + outward_y * y + outward_z * height) * nearness;
     const Lanes squared = towards * towards;
-    const Lanes share = length / r;
+    const Lanes share = length * nearness;
     store(column + kShare * stride + i, share);
     store(column + kLean * stride + i, share * towards * (1.0F - squared * squared));
-    store(column + kWeight * stride + i, share / r2);
+    store(column + kWeight * stride + i, share * nearness * nearness);
   }
 }
 
@@ -143,28 +152,41 @@ PLUMBLINE_WIDE void place_ray(const double* x, const double* y, std::size_t stri
   }
 }
 
-/// The sum of each of three columns from `begin` to `end`.
-struct LeanSums {
-  float share = 0, lean = 0, weight = 0;
-};
-PLUMBLINE_WIDE void add_loop(const float* column, std::size_t stride, std::size_t begin, std::size_t end,
-                             LeanSums& sums) {
-  Lanes shares{}, leans{}, weights{};
-  std::size_t i = begin;
-  for (; i + kLanes <= end; i += kLanes) {
-    Lanes share, lean, weight;
-    load(share, column + kShare * stride + i);
-    load(lean, column + kLean * stride + i);
-    load(weight, column + kWeight * stride + i);
-    shares += share;
-    leans += lean;
-    weights += weight;
-  }
-  sums = {sum(shares), sum(leans), sum(weights)};
-  for (; i < end; ++i) {
-    sums.share += column[kShare * stride + i];
-    sums.lean += column[kLean * stride + i];
-    sums.weight += column[kWeight * stride + i];
+/// Adds up what see_edges() has set, loop by loop.
+/// @param ends  of each loop: behind its last edge, one corner that leads to the next loop
+PLUMBLINE_WIDE void add_loops(const float* column, std::size_t stride, const std::uint32_t* ends, std::size_t loops,
+                              RimLean& lean) {
+  const float* const share_of = column + kShare * stride;
+  const float* const lean_of = column + kLean * stride;
+  const float* const weight_of = column + kWeight * stride;
+  std::size_t i = 0;
+  for (std::size_t loop = 0; loop < loops; ++loop) {
+    const std::size_t end = ends[loop];
+    float shares = 0, leans = 0, weights = 0;
+    if (i + kLanes <= end) {
+      Lanes share_lanes{}, lean_lanes{}, weight_lanes{};
+      for (; i + kLanes <= end; i += kLanes) {
+        Lanes share, leaning, weight;
+        load(share, share_of + i);
+        load(leaning, lean_of + i);
+        load(weight, weight_of + i);
+        share_lanes += share;
+        lean_lanes += leaning;
+        weight_lanes += weight;
+      }
+      shares = sum(share_lanes);
+      leans = sum(lean_lanes);
+      weights = sum(weight_lanes);
+    }
+    for (; i < end; ++i) {
+      shares += share_of[i];
+      leans += lean_of[i];
+      weights += weight_of[i];
+    }
+    i = end + std::size_t{1};
+    if (!(shares > 0)) continue;
+    lean.outwards += weights * (leans / shares);
+    lean.weight += weights;
   }
 }
 
@@ -279,15 +301,7 @@ WindingTurn RimWinding::at(float z, int above) const {
 
 void RimWinding::add_lean(float z, RimLean& lean) const {
   see_edges(room_.data(), stride_, z);
-  std::size_t begin = 0;
-  for (const std::uint32_t end : ends_) {
-    LeanSums sums;
-    add_loop(room_.data(), stride_, begin, end, sums);
-    begin = end + std::size_t{1};
-    if (!(sums.share > 0)) continue;
-    lean.outwards += sums.weight * (sums.lean / sums.share);
-    lean.weight += sums.weight;
-  }
+  add_loops(room_.data(), stride_, ends_.data(), ends_.size(), lean);
 }
 
 }  // namespace plumbline
