@@ -39,6 +39,11 @@ struct PackedNormal {
   }
   /// Sets the direction of n, which must be finite. Shorter than 1e-12, it means that no normal is known.
   void set(const Vec3f& n);
+  void turn_over() {
+    x = static_cast<std::int16_t>(-x);
+    y = static_cast<std::int16_t>(-y);
+    z = static_cast<std::int16_t>(-z);
+  }
 };
 static_assert(sizeof(PackedNormal) == 8);
 

@@ -94,7 +94,7 @@ Expected<NormalCounts> Sheets::turn(FirstSide first) {
     const Sheet* sheet = sheet_of(i);
     if (sheet == nullptr || sets_.fixed(i)) continue;
     const bool inward = sheet->side < 0;
-    if (inward) turn_normal(i);
+    if (inward) cloud_.normal[i].turn_over();
     counts_.turned += inward != sets_.look(i).turned ? 1 : 0;  // measure() may have turned it already
   }
   return counts_;
@@ -143,7 +143,7 @@ void Sheets::measure() {
     if (sets_.fixed(i)) {
       sheet->votes += turned ? -1 : 1;
     } else if (turned) {
-      turn_normal(i);
+      cloud_.normal[i].turn_over();
     }
     sheet->area += area(i);
     sheet->centroid += area(i) * cloud_.position[i].cast<double>();
@@ -158,13 +158,6 @@ void Sheets::measure() {
     sheet->flux += area(i) * cloud_.normal[i].unpack().cast<double>().dot(from_centre);
     sheet->reach += area(i) * std::sqrt(from_centre.dot(from_centre));
   }
-}
-
-void Sheets::turn_normal(std::uint32_t i) {
-  PackedNormal& n = cloud_.normal[i];
-  n.x = static_cast<std::int16_t>(-n.x);
-  n.y = static_cast<std::int16_t>(-n.y);
-  n.z = static_cast<std::int16_t>(-n.z);
 }
 
 /// Weight of point i in the field of the oriented sheets: 1, -1, or 0 while its side is unknown.
@@ -276,7 +269,7 @@ void Sheets::turn_loose_points(const DipoleField& field) {
     if (sets_.fixed(i) || !cloud_.normal[i].known() || sheet_of(i) != nullptr) continue;
     // Of a single point the sign of the slope is enough.
     if (!(field(cloud_.position[i], sides(), kRoughShare).gradient.dot(cloud_.normal[i].unpack()) > 0)) continue;
-    turn_normal(i);
+    cloud_.normal[i].turn_over();
     ++turned;
   }
   counts_.turned += turned;

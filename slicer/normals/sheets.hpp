@@ -66,7 +66,6 @@ class Sheets {
   Sheet* sheet_of(std::uint32_t i) const;
   double area(std::uint32_t i) const;
   void measure();
-  void turn_normal(std::uint32_t i);
   float side(std::uint32_t i) const;
   auto sides() const {
     return [this](std::uint32_t i) { return side(i); };

@@ -18,11 +18,15 @@ constexpr float kLeastPoints = 0.05F;    ///< of the scan, in the floor and in t
 constexpr float kMostBelow = 0.01F;      ///< of the floor's points; a plate of 1 mm has walls of a tenth
 constexpr float kMarginEpsilons = 0.3F;  ///< supports reach as far, so the floor would bend the foot of the object
 constexpr float kMarginNoise = 4;        ///< standard deviations
-constexpr float kReach = 0.05F;          ///< of the object's side, by which the floor reaches beyond it
-constexpr float kFree = 0.25F;           ///< share of the floor that has no object above it
-constexpr float kLeastHeight = 0.25F;    ///< of the object's larger horizontal side
-constexpr std::size_t kBins = 512;       ///< of the histogram of heights
-constexpr std::uint32_t kSide = 32;      ///< cells of the map of the floor, each way
+constexpr float kRound = 1.08F;  ///< radius over half of a side: of a disc 1.04, of an octagon 1.1, of a square 1.4
+constexpr float kRim = 0.07F;    ///< of the radius: how near to the edge a turntable's wall is
+constexpr float kMostInside = 0.05F;     ///< of the points below a turntable: not at its edge, as those of an underside
+constexpr float kMostOnRim = 0.6F;       ///< the object's side over the turntable's; round plinths are rarely so wide
+constexpr float kReach = 0.05F;        ///< of the object's side, by which the floor reaches beyond it
+constexpr float kFree = 0.25F;         ///< share of the floor that has no object above it
+constexpr float kLeastHeight = 0.25F;  ///< of the object's larger horizontal side
+constexpr std::size_t kBins = 512;     ///< of the histogram of heights
+constexpr std::uint32_t kSide = 32;    ///< cells of the map of the floor, each way
 
 /// A side of a rectangle without a two-hundredth of the points at either end, which may be flying.
 struct Side {
@@ -211,12 +215,14 @@ class FloorSearch {
     }
     const float least = kLeastPoints * static_cast<float>(points);
     if (static_cast<float>(in_floor) < least || static_cast<float>(in_object) < least) return false;
-    if (static_cast<float>(below) > kMostBelow * static_cast<float>(in_floor)) return false;
     if (floor_points.count() == 0 || object_points.count() == 0) return false;
     const Rectangle floor = floor_points.rectangle();
     const Rectangle object = object_points.rectangle();
     if (top < kLeastHeight * std::max(object[0].length(), object[1].length())) return false;
     if (!(floor[0].length() > 0 && floor[1].length() > 0)) return false;
+    if (static_cast<float>(below) > kMostBelow * static_cast<float>(in_floor) && !is_turntable(floor, object)) {
+      return false;
+    }
     int sides = 0;
     for (std::size_t a = 0; a < 2; ++a) {
       const float reach = kReach * object[a].length();
@@ -224,6 +230,39 @@ class FloorSearch {
       sides += floor[a].high > object[a].high + reach ? 1 : 0;
     }
     return sides >= 3 && free_share(floor) > kFree;
+  }
+
+  /// Whether the floor is a disc that is wide for the object, and what lies below is a wall at its edge.
+  bool is_turntable(const Rectangle& floor, const Rectangle& object) const {
+    const float side = std::min(floor[0].length(), floor[1].length());
+    if (std::max(object[0].length(), object[1].length()) > kMostOnRim * side) return false;
+    const auto from_middle = [&](const Vec3f& p) {
+      const float x = p[0] - 0.5F * (floor[0].low + floor[0].high);
+      const float y = p[1] - 0.5F * (floor[1].low + floor[1].high);
+      return std::sqrt(x * x + y * y);
+    };
+    std::array<float, kSample> distances;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::size_t count = 0;
+    const std::uint32_t step = cloud_.size / kSample + 1;
+    for (std::uint32_t i = 0; i < cloud_.size; i += step) {
+      if (is_surface(i) && std::abs(above(cloud_.position[i])) <= margin_) {
+        distances[count++] = from_middle(cloud_.position[i]);
+      }
+    }
+    if (count == 0) return false;
+    std::sort(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(count));
+    // Of a disc's points a fiftieth has more than .99 of its radius.
+    const float radius = distances[count - 1 - count / 50] / 0.99F;
+    if (radius > kRound * 0.5F * side) return false;
+    std::uint32_t below = 0;
+    std::uint32_t inside = 0;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      const Vec3f& p = cloud_.position[i];
+      if (!is_surface(i) || above(p) >= -1.5F * margin_) continue;
+      ++below;
+      inside += std::abs(from_middle(p) - radius) > kRim * radius ? 1 : 0;
+    }
+    return static_cast<float>(inside) <= kMostInside * static_cast<float>(below);
   }
 
   /// Share of the floor's cells in which no point of the object lies above.

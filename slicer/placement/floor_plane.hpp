@@ -19,7 +19,8 @@ struct FloorPlane {
 /// Finds a plane that the object stands on. It is a floor only if all of this holds, so flat undersides, plates with letters and
 /// plinths are none:
 ///   - it is level to 10 degrees, faces up (if `sides_known`), and has a twentieth of the points,
-///   - nothing was scanned below it: a plate or a plinth has walls there, and an underside,
+///   - nothing was scanned below it, since a plate or a plinth has walls there, and an underside; or it is a turntable: a disc, much wider than
+///     the object, with nothing below it but a wall at its edge,
 ///   - it reaches beyond the object on three sides or more, and a quarter of it is free of the object,
 ///   - the object on it is at least a quarter as high as it is wide: letters and reliefs are lower.
 /// @param cloud    with normals; points of class kNoise are not used

@@ -1,6 +1,7 @@
 #include "slicer/surface/surface_points.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "slicer/surface/flying_points.hpp"
 #include "slicer/surface/sparse_surface.hpp"
@@ -20,6 +21,9 @@ constexpr double kRefinedAgain = 0.95;
 /// Outliers that happen to face the same way are mostly of mixed type: 0.1.
 constexpr double kLeastCoreShare = 0.25;
 
+/// Share of the normals' components away from the middle by which they face inwards: 1 for a ball that is inside out.
+constexpr double kInward = 0.2;
+
 Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings, const ClusteringResult& clustering,
               Arena& arena, const StageProgress& progress) {
   const ArenaScope scope(arena);
@@ -28,6 +32,13 @@ Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings
   PLUMBLINE_TRY(refine_normals(cloud, tree, settings.clustering, clustering, settings.normals, *refined, progress));
   std::copy(refined->begin(), refined->end(), cloud.normal.begin());
   return {};
+}
+
+template <class Visit>
+void for_each_kept(const Cloud& cloud, Visit visit) {
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    if (cloud.normal[i].point_class != PointClass::kNoise) visit(i);
+  }
 }
 
 std::optional<FloorPlane> floor_of(const Cloud& cloud, const SurfaceSettings& settings,
@@ -44,6 +55,30 @@ std::optional<FloorPlane> floor_of(const Cloud& cloud, const SurfaceSettings& se
   return plane;
 }
 
+/// Turns all normals over if they face into the object. Estimated ones may: a round turntable with a ball on it looks like the cap of
+/// something below, and then the ball like a cavity.
+void face_outwards(Cloud& cloud) {
+  Vec3d centre = Vec3d::Zero();
+  double count = 0;
+  for_each_kept(cloud, [&](std::uint32_t i) {
+    centre += cloud.position[i].cast<double>();
+    ++count;
+  });
+  centre /= std::max(1.0, count);
+  double flux = 0;
+  double reach = 0;
+  for_each_kept(cloud, [&](std::uint32_t i) {
+    const Vec3d from = cloud.position[i].cast<double>() - centre;
+    flux += from.dot(cloud.normal[i].unpack().cast<double>());
+    reach += std::sqrt(from.dot(from));
+  });
+  if (flux > -kInward * reach) return;
+  for_each_kept(cloud, [&](std::uint32_t i) {
+    cloud.normal[i].turn_over();
+    cloud.normal[i].point_class = orientation_of(cloud.normal[i]);
+  });
+}
+
 /// Looks for a floor and marks it and what is below it as noise.
 void cut_floor(Cloud& cloud, const SurfaceSettings& settings, SurfacePoints& surface) {
   surface.floor = floor_of(cloud, settings, surface.clustering);
@@ -54,6 +89,7 @@ void cut_floor(Cloud& cloud, const SurfaceSettings& settings, SurfacePoints& sur
     normal.point_class = PointClass::kNoise;
     ++surface.floor_points;
   }
+  if (settings.normals == NormalSource::kPoints) face_outwards(cloud);
 }
 
 }  // namespace

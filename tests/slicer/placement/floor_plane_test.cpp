@@ -36,6 +36,28 @@ Surface ball_on_floor(Random& random, double shadow = 5, double noise = 0.01) {
   return scan;
 }
 
+/// A disc with a wall that goes down from its edge, as a scanner above sees it.
+Surface round_table(double radius, double height, double shadow, Random& random) {
+  Surface table = floor_around(2 * radius, shadow, random);
+  std::erase_if(table, [&](const SurfacePoint& p) { return p.position.norm() > radius; });
+  for (const SurfacePoint& p :
+       sheet({0, 0, -height}, {2 * kPi * radius, 0, 0}, {0, 0, height}, kSpacing, 0.3, random)) {
+    const double angle = p.position[0] / radius;
+    const Vec3d out(std::cos(angle), std::sin(angle), 0);
+    table.push_back({radius * out + Vec3d(0, 0, p.position[2]), out});
+  }
+  return table;
+}
+
+Surface ball_on_turntable(double shadow, double noise, Random& random) {
+  Surface scan = round_table(30, 5, shadow, random);
+  for (const SurfacePoint& p : sphere(sphere_points(10, kSpacing), 10, {0, 0, 10})) {
+    if (p.position[2] > 0.3 * shadow) scan.push_back(p);
+  }
+  add_noise(scan, noise, 0.01, random);
+  return scan;
+}
+
 /// As XYZ files are: positions only.
 std::string text_of(const Surface& surface) {
   std::string text;
@@ -105,6 +127,26 @@ TEST(Floor, IsCutOffWithoutNormals) {
   }
 }
 
+TEST(Floor, IsCutOffWithTheRimOfATurntable) {
+  for (const bool has_normals : {true, false}) {
+    for (const double shadow : {0.0, 5.0}) {
+      for (const double degrees : {0.0, 4.0}) {
+        for (const double noise : {0.01, 0.08}) {
+          Random random(14);
+          const Surface scan = tilted(ball_on_turntable(shadow, noise, random), degrees);
+          const std::string file = has_normals ? binary_ply(scan) : text_of(scan);
+          const Slicing sliced(MemorySource(file, has_normals ? "ball.ply" : "ball.xyz"), settings_with_pitch(0.25F),
+                               64 * kMiB);
+          SCOPED_TRACE(::testing::Message() << has_normals << ' ' << shadow << ' ' << degrees << ' ' << noise);
+          EXPECT_GT(sliced.report().floor.points, 20'000U);
+          for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(sliced.report().placement.size_mm[axis], 20, 0.6);
+          EXPECT_NEAR(sliced.volume(), 4.0 / 3 * kPi * 1000, 0.06 * 4189);
+        }
+      }
+    }
+  }
+}
+
 TEST(Floor, IsPrintedIfItIsToBeKept) {
   Random random(1);
   const SliceReport report = report_of(ball_on_floor(random), {FloorChoice::Kind::kKeep, 0});
@@ -154,6 +196,51 @@ TEST(Floor, IsNotThePlinthOfAFigure) {
   Surface figure = box({-12, -12, 0}, {12, 12, 2}, kSpacing, 0.3, random);
   append(figure, box({-4, -4, 2}, {4, 4, 25}, kSpacing, 0.3, random));
   EXPECT_EQ(floor_points_in(figure), 0U);
+}
+
+/// Never seen from below, it differs from a turntable by its width only.
+TEST(Floor, IsNotTheRoundPlinthOfAFigure) {
+  for (const double shadow : {0.0, 4.0}) {
+    Random random(15);
+    Surface figure = round_table(10, 3, shadow, random);
+    append(figure, box({-7, -4, 0}, {7, 4, 25}, kSpacing, 0.3, random));
+    EXPECT_EQ(floor_points_in(figure), 0U);
+  }
+}
+
+TEST(Floor, IsNotAWideSquarePlinthNeverSeenFromBelow) {
+  Random random(16);
+  Surface figure = box({-20, -20, -3}, {20, 20, 0}, kSpacing, 0.3, random);
+  std::erase_if(figure, [](const SurfacePoint& p) { return p.normal[2] < -0.5; });
+  append(figure, box({-6, -6, 0}, {6, 6, 25}, kSpacing, 0.3, random));
+  EXPECT_EQ(floor_points_in(figure), 0U);
+}
+
+TEST(Floor, IsNotAWideRoundPlinthSeenFromBelow) {
+  Random random(17);
+  Surface figure = round_table(20, 3, 0, random);
+  for (SurfacePoint p : floor_around(40, 0, random)) {
+    if (p.position.norm() > 20) continue;
+    p.position[2] = -3;
+    p.normal = -p.normal;
+    figure.push_back(p);
+  }
+  append(figure, box({-6, -6, 0}, {6, 6, 25}, kSpacing, 0.3, random));
+  EXPECT_EQ(floor_points_in(figure), 0U);
+}
+
+TEST(Floor, IsNotACoinOrAWheel) {
+  Random random(18);
+  Surface coin = round_table(12, 2, 0, random);
+  append(coin, sphere(sphere_points(4, kSpacing), 4, {2, 1, -3}));
+  EXPECT_EQ(floor_points_in(coin), 0U);
+  // A hub on a wheel: lower than a quarter of its width is no object on a turntable.
+  Surface wheel = round_table(15, 4, 3, random);
+  append(wheel, round_table(5, 1, 0, random));
+  for (SurfacePoint& p : wheel) {
+    if (p.position.norm() < 6) p.position[2] += 1;
+  }
+  EXPECT_EQ(floor_points_in(wheel), 0U);
 }
 
 TEST(Floor, IsNotTheBottomOfACup) {
