@@ -15,13 +15,21 @@ FixedText<24> rounded(double value) {
   return text;
 }
 
+/// What is smaller than a drop would need an exponent in millilitres.
+FixedText<32> volume(double ml) {
+  FixedText<32> text;
+  const bool is_small = ml < 0.01;
+  text.add("%s %s", rounded(is_small ? 1000 * ml : ml).c_str(), is_small ? "mm3" : "ml");
+  return text;
+}
+
 void add_size(FixedText<256>& text, const Issue& issue, const IssueScale& scale) {
   switch (words_of(issue.kind).size) {
     case IssueSize::kArea:
       text.add("%s mm2 (%llu px)", rounded(scale.mm2(issue.pixels)).c_str(), big(issue.pixels));
       break;
     case IssueSize::kVolume:
-      text.add("%s ml", rounded(scale.ml(issue.voxels)).c_str());
+      text.add("%s", volume(scale.ml(issue.voxels)).c_str());
       if (issue.kind == IssueKind::kTear) {
         text.add(", pulled with %s N and held with %s N", rounded(static_cast<double>(issue.asked_n)).c_str(),
                  rounded(static_cast<double>(issue.held_n)).c_str());
@@ -111,13 +119,13 @@ FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, con
     const double percent = 100 * findings.fallen_share();
     text.add(", %.*g %% of the print", percent < 99.5 ? 2 : 3, percent);
   }
-  if (group.count > 1 && words.size == IssueSize::kVolume) text.add(", %s ml", rounded(scale.ml(group.voxels)).c_str());
+  if (group.count > 1 && words.size == IssueSize::kVolume) text.add(", %s", volume(scale.ml(group.voxels)).c_str());
   text.add("%s", group.count == 1 ? (kind == IssueKind::kFreePiece || kind == IssueKind::kTear ? ": " : " of ")
                                   : ", the largest of ");
   add_size(text, group.kept[0], scale);
   add_place(text, group.kept[0], scale);
   if (kind == IssueKind::kFreePiece && findings.shadowed_voxels > 0) {
-    text.add(", and %s ml more in its shadow", rounded(scale.ml(findings.shadowed_voxels)).c_str());
+    text.add(", and %s more in its shadow", volume(scale.ml(findings.shadowed_voxels)).c_str());
   }
   return text;
 }

@@ -52,6 +52,13 @@ TEST(IssueReport, SaysThatAllOfThePrintFallsInPlainDigits) {
               testing::HasSubstr("1 piece that nothing holds, 100 % of the print: 2 ml"));
 }
 
+TEST(IssueReport, GivesSmallVolumesInCubicMillimetres) {
+  StackFindings findings;
+  findings.of(IssueKind::kResinTrap).add({IssueKind::kResinTrap, 190, 187, 194, 626, 675, 26, 120});
+  EXPECT_THAT(std::string(issue_sentence(IssueKind::kResinTrap, findings, kGrid).view()),
+              StartsWith("1 resin trap of 0.015 mm3, up to 0.065 mm2 in area"));
+}
+
 TEST(IssueReport, SaysHowMuchMoreIsLostInTheShadowOfWhatFalls) {
   StackFindings findings = some_findings();
   findings.shadowed_voxels = 4'000'000;
