@@ -54,19 +54,21 @@ bool prints(std::span<const MachineFinding> findings) { return count(findings, V
 
 Status write_findings(OutputFile& out, const std::string& printer, std::span<const MachineFinding> findings) {
   constexpr std::size_t kVerdict = 7;
-  constexpr std::size_t kWhat = 28;
+  std::size_t widest = 0;
+  for (const auto& one : findings) widest = std::max(widest, one.what.size());
   const auto shown = [](const std::string& from_the_board) {
     return std::string(PrintableText(from_the_board).view());
   };
   std::string text = "printer " + printer + "\n";
   for (const auto& one : findings) {
-    text += "  " + padded(word_of(one.verdict), kVerdict) + padded(shown(one.what), kWhat) + shown(one.found) + "\n";
+    text +=
+        "  " + padded(word_of(one.verdict), kVerdict) + padded(shown(one.what), widest + 2) + shown(one.found) + "\n";
     if (!one.advice.empty()) text += std::string(2 + kVerdict, ' ') + "-> " + shown(one.advice) + "\n";
   }
   text += std::to_string(count(findings, Verdict::kGood)) + " good, " +
           std::to_string(count(findings, Verdict::kPoor)) + " poor, " +
           std::to_string(count(findings, Verdict::kWrong)) +
-          " wrong: " + (prints(findings) ? "it prints" : "it does not print before what is wrong is put right") + "\n";
+          " wrong: " + (prints(findings) ? "ready to print" : "it can't print until what is wrong is fixed") + "\n";
   return out.write(text);
 }
 

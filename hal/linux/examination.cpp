@@ -46,12 +46,15 @@ class Examination {
   void check_lines() {
     LineRegistry registry;
     for_each_line(settings_.wiring, [&](const LineRole& role, const LineSettings& line) {
-      const std::string what = std::string(role.use) + "'s line";
+      const std::string use = role.use;
+      // "the lamp's line", but "the stage's step line".
+      const std::string what = use + (use.find("'s ") == std::string::npos ? "'s line" : " line");
+      const std::string missing = "the board file has no [" + std::string(role.table) + "]";
       if (line.given()) return check_line(role, line, what, registry);
       if (role.required) {
-        add(Verdict::kWrong, what, "the board file gives none", kAddKeys);
+        add(Verdict::kWrong, what, missing, kAddKeys);
       } else if (&line == &settings_.wiring.cover) {
-        add(Verdict::kPoor, what, "the board file gives none: opening the cover does not turn the lamp off",
+        add(Verdict::kPoor, what, missing + ": opening the cover does not turn the lamp off",
             "fit a switch and add [cover_line]");
       }
     });
@@ -89,7 +92,8 @@ class Examination {
   void check_watchdog() {
     const std::string& device = settings_.wiring.watchdog.device;
     if (device.empty()) {
-      add(Verdict::kPoor, "the watchdog", "the board file gives none: a board that hangs leaves the lamp as it is",
+      add(Verdict::kPoor, "the watchdog",
+          "the board file has no [watchdog]: if the board hangs, the lamp stays as it is",
           "add [watchdog] if the board has one: ls /dev/watchdog*");
       return;
     }
@@ -113,6 +117,10 @@ class Examination {
   void check_panel() {
     if (const auto layout = settings_.panel.check(); !layout) {
       add(Verdict::kWrong, "the panel", layout.error().message(), "correct [panel] in the board file");
+      return;
+    }
+    if (settings_.wiring.display.connector.empty()) {
+      add(Verdict::kWrong, "the panel", "the board file has no connector in [display]", kAddKeys);
       return;
     }
     const auto found =

@@ -39,12 +39,12 @@ std::string written(Write&& write) {
 TEST(Doctor, ReportsWhatWasFoundAndWhatToDo) {
   EXPECT_EQ(written([](OutputFile& out) { return write_findings(out, "mine", kFindings); }),
             "printer mine\n"
-            "  ok     the lamp's line             gpiochip0 line 17\n"
-            "  poor   locked memory               not permitted\n"
+            "  ok     the lamp's line  gpiochip0 line 17\n"
+            "  poor   locked memory    not permitted\n"
             "         -> give it CAP_IPC_LOCK\n"
-            "  WRONG  the panel                   no \"DSI-1\"\n"
+            "  WRONG  the panel        no \"DSI-1\"\n"
             "         -> see to its cable\n"
-            "1 good, 1 poor, 1 wrong: it does not print before what is wrong is put right\n");
+            "1 good, 1 poor, 1 wrong: it can't print until what is wrong is fixed\n");
 }
 
 TEST(Doctor, SaysThatItPrintsIfNothingIsWrong) {
@@ -52,7 +52,7 @@ TEST(Doctor, SaysThatItPrintsIfNothingIsWrong) {
   const auto two = std::span(kFindings).first(2);
   EXPECT_TRUE(prints(two));
   EXPECT_THAT(written([&](OutputFile& out) { return write_findings(out, "mine", two); }),
-              HasSubstr("1 good, 1 poor, 0 wrong: it prints\n"));
+              HasSubstr("1 good, 1 poor, 0 wrong: ready to print\n"));
 }
 
 TEST(Doctor, ReportsTheSameAsJson) {
