@@ -273,7 +273,7 @@ Expected<MeshSurvey> turn_mesh(MeshFiles& files, const MeshSurvey& survey, Slice
     const auto samples = sample_surface(*cloud, arena);
     PLUMBLINE_TRY(samples);
     const auto best = best_orientations(*samples, {progress, Stage::kNormals, kCloudRead, 1});
-    if (!best) return fail(ErrorCode::kCancelled, "cancelled while the best way up was looked for");
+    if (!best) return fail(ErrorCode::kCancelled, "cancelled while looking for the best orientation");
     report.turned = best->front();
   }
   settings.placement.rotation_degrees = {report.turned->degrees[0], report.turned->degrees[1], 0};

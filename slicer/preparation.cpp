@@ -158,7 +158,7 @@ class Preparation {
       const auto samples = sample_surface(scan_.cloud, arena_);
       PLUMBLINE_TRY(samples);
       const auto best = best_orientations(*samples, {progress_, Stage::kNormals});
-      if (!best) return fail(ErrorCode::kCancelled, "cancelled while the best way up was looked for");
+      if (!best) return fail(ErrorCode::kCancelled, "cancelled while looking for the best orientation");
       report_.turned = best->front();
     }
     const auto& degrees = report_.turned->degrees;

@@ -19,7 +19,7 @@ constexpr const char* kControlFooter =
     "  plumbline ctl start                    print what is on the stick\n"
     "  plumbline ctl choose 2                 take the second scan of 'plumbline status'\n"
     "  plumbline ctl set scale 1.5            a key of job.toml for this print; board/README.md has all of them\n"
-    "  plumbline ctl propose                  look for the best ways up: 'plumbline status' lists them\n"
+    "  plumbline ctl propose                  find the best orientations: 'plumbline status' lists them\n"
     "  plumbline ctl set proposal 2           take the second of them; 0 keeps the scan as it is\n"
     "  plumbline ctl upload bust.ply          put a scan into the printer's store: it is offered as on a stick\n"
     "  plumbline ctl remove bust.ply          remove it from there; 'plumbline status' has its name\n"
@@ -42,7 +42,7 @@ constexpr Word kWords[] = {
     {Command::kOffer, "Offer what is on the stick again"},
     {Command::kChoose, "Choose a scan by its number in 'plumbline status'"},
     {Command::kSet, "Change a setting of the print that is offered"},
-    {Command::kPropose, "Look for the best ways up of the scan that is offered"},
+    {Command::kPropose, "Find the best orientations of the scan that is offered"},
     {Command::kUpload, "Put a scan into the printer's store, in place of the one there"},
     {Command::kRemove, "Remove the scan from the printer's store"},
 };

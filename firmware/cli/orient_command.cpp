@@ -25,8 +25,8 @@ constexpr const char* kOrientFooter =
     "  plumbline slice bust.ply -o out --rotate-x 25 --rotate-y -10   use one of them\n"
     "  plumbline slice bust.ply -o out --orient auto                  use the first\n"
     "\n"
-    "Output: how the scan lies now and the best four ways up, each with the area that needs supports, the space below\n"
-    "it, the area of the largest layer (which must be peeled off the film), the height, and the area of scars that\n"
+    "Output: how the scan lies now and the best four orientations, each with the area that needs supports, the space\n"
+    "below it, the area of the largest layer (which must be peeled off the film), the height, and the area of scars that\n"
     "supports leave, counted more where the scanner saw the surface better. Units are mm.\n";
 
 using Line = FixedText<200>;
@@ -107,9 +107,9 @@ Status write_proposals(OutputFile& out, const Proposals& found, const OrientOpti
 }  // namespace
 
 CLI::App* add_orient_command(CLI::App& app, OrientOptions& options) {
-  auto* command = app.add_subcommand("orient", "Find the best ways up to print a scan or a mesh");
+  auto* command = app.add_subcommand("orient", "Find the best orientations to print a scan or a mesh in");
   command->footer(kOrientFooter);
-  add_look_options(*command, options.job, options.picture, "Draw the best four ways up");
+  add_look_options(*command, options.job, options.picture, "Draw the best four orientations");
   command->callback([&options] {
     for (const double angle : options.job.rotate_degrees) {
       if (angle != 0)

@@ -219,7 +219,7 @@ Status PrinterDaemon::propose(const StickMount& mount, StickOffer& offer) {
   observer_.proposing();
   apply(PrintEvent::kJobTaken);
   FixedText<400> text;
-  text.add("looking for the best ways up of %s", job.title().c_str());
+  text.add("finding the best orientations of %s", job.title().c_str());
   observer_.say(text.view());
   const auto proposals = slicing_.propose(mount, *scan, *request);
   if (proposals) {

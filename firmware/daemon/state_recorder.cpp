@@ -237,14 +237,14 @@ void StateRecorder::warn(std::string_view sentence, const Told& told) {
 
 void StateRecorder::refused(FaultCode code, const Error& error) {
   const FaultText fault = explain(code, error.finding(), error.advice());
-  auto advice = in_stick_words(fault.advice.view());
+  const bool of_scan = code == fault_of(error.code());
+  const Told told = error.told().empty() && of_scan ? told_of(error.code()) : error.told();
+  auto advice = in_stick_words(fault.advice.view(), told.code);
   if (advice.view().find("--") != std::string_view::npos) {
     // The advice names an option that job.toml does not have.
     advice.clear();
     advice.add("%.*s", static_cast<int>(info(code).next.size()), info(code).next.data());
   }
-  const bool of_scan = code == fault_of(error.code());
-  const Told told = error.told().empty() && of_scan ? told_of(error.code()) : error.told();
   record_.set_fault(code, error.finding(), advice.view(), told);
   if (record_.job && record_.job->chosen && *record_.job->chosen < record_.scan_count) {
     assign(record_.scans[*record_.job->chosen].problem, fault.what.view());

@@ -146,7 +146,8 @@ Status StickOffer::set(std::string_view key, std::string_view value) {
 /// Turns the job as one of the proposals is turned.
 Status StickOffer::set_proposal(std::string_view value) {
   if (!proposals_) {
-    return fail(ErrorCode::kBadSetting, "proposal: the best ways up are not known.\tSend {\"do\": \"propose\"} first");
+    return fail(ErrorCode::kBadSetting,
+                "proposal: the best orientations are not known.\tSend {\"do\": \"propose\"} first");
   }
   const std::size_t number = value.size() == 1 ? static_cast<std::size_t>(value[0] - '0') : kProposalCount;
   if (number >= kProposalCount) {

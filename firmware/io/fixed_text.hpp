@@ -49,4 +49,11 @@ constexpr unsigned long long big(std::uint64_t number) { return number; }
 inline constexpr std::size_t kMaxPath = 4096;
 using FixedPath = FixedText<kMaxPath>;
 
+/// For a person: three significant digits, and no fraction from 100 on.
+inline FixedText<24> three_digits(double value) {
+  FixedText<24> text;
+  text.add(value >= 100 ? "%.0f" : "%.3g", value);
+  return text;
+}
+
 }  // namespace plumbline

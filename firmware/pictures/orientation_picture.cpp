@@ -134,7 +134,7 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
   const TextStyle title{.scale = 4, .colour = kInk};
   const TextStyle plain{.scale = 2, .colour = kInk};
   draw_text(picture, kLeft, 38, cut(name, kPreviewColumns - 700, title), title);
-  constexpr std::string_view kAbout = "the best ways up; what needs supports is orange";
+  constexpr std::string_view kAbout = "the best orientations; what needs supports is orange";
   draw_text(picture, std::int64_t{kPreviewColumns} - kLeft - text_width(kAbout, plain), 52, kAbout, plain);
 
   const auto sight = find_sight(cloud, arena);

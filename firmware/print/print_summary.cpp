@@ -74,9 +74,9 @@ void add_print(Text& text, const PrintOutcome& outcome) {
   if (report.pauses > 0) text.add(", paused %u time%s", report.pauses, report.pauses == 1 ? "" : "s");
   text.add("\n");
   if (!outcome.session.supports().empty()) text.add("supports   %u\n", outcome.session.supports().tips());
-  text.add("resin      %.1f ml", report.resin_ml);
+  text.add("resin      %s ml", three_digits(report.resin_ml).c_str());
   const double cost = resin_cost(outcome.profile, report.resin_ml);
-  if (cost > 0) text.add(", cost %.2f", cost);
+  if (cost > 0) text.add(", cost %.2f (in the currency of bottle_cost)", cost);
   text.add("\n");
 }
 

@@ -1,6 +1,7 @@
 #include "firmware/screen/screen_parts.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 namespace plumbline {
@@ -89,6 +90,30 @@ int draw_message(const Sheet& sheet, const PixelBox& box, std::string_view large
   int y = sheet.page.paragraph(box, large, sheet.large()) + sheet.px(4);
   if (!plain.empty()) y = sheet.page.paragraph(box.from_row(y - box.y), plain, sheet.plain(ink::kPale));
   return y;
+}
+
+ToldText as_shown(std::string_view english) {
+  struct Rewriting {
+    std::string_view from, to;
+  };
+  constexpr std::array<Rewriting, 4> kButtons{
+      {{"press start", "press ▶"}, {"Press start", "Press ▶"}, {"cancel if ", "✖ if "}, {"or cancel", "or ✖"}}};
+  ToldText text;
+  for (const std::string_view article : {"the ", "a ", "an ", "no "}) {
+    if (!english.starts_with(article)) continue;
+    text.add("%c", std::toupper(static_cast<unsigned char>(english[0])));
+    english.remove_prefix(1);
+    break;
+  }
+  while (!english.empty()) {
+    const auto* const button = std::find_if(kButtons.begin(), kButtons.end(),
+                                            [english](const Rewriting& one) { return english.starts_with(one.from); });
+    const bool is_button = button != kButtons.end();
+    const std::string_view next = is_button ? button->to : english.substr(0, 1);
+    text.add("%.*s", static_cast<int>(next.size()), next.data());
+    english.remove_prefix(is_button ? button->from.size() : 1);
+  }
+  return text;
 }
 
 ShortText duration(std::chrono::seconds time) {

@@ -15,6 +15,10 @@
 
 namespace plumbline {
 
+/// An English sentence of the printer as the screen shows it: with a capital if it begins with an article, since what begins
+/// with a name keeps it, and with the signs of the buttons instead of their names.
+ToldText as_shown(std::string_view english);
+
 /// One screen while it is drawn.
 struct Sheet {
   Page& page;
@@ -25,7 +29,9 @@ struct Sheet {
 
   std::string_view say(Words which) const { return words(which, language); }
   /// @param english  the sentence beside it
-  ToldText say(const Told& told, std::string_view english) const { return worded(told, language, english); }
+  ToldText say(const Told& told, std::string_view english) const {
+    return language == Language::kEnglish ? as_shown(english) : worded(told, language, english);
+  }
   /// The table's texts must fit.
   Fit fit_of(const Told& told) const { return told_words(told.code, language) ? Fit::kMust : Fit::kMayCut; }
   const Look& look() const { return page.look(); }

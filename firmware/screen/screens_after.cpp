@@ -136,11 +136,10 @@ void draw_fault(const Sheet& sheet) {
   y = sheet.page.paragraph(body.from_row(y - body.y + sheet.px(2)), remedy, sheet.bold(ink::kText, fit)) + sheet.px(4);
   const PixelBox rest = body.from_row(y - body.y);
   if (rest.height >= sheet.look().plain.line_height()) {
-    const ToldText happened = told ? filled_in(told->sentence, fault->told, sheet.language) : ToldText();
-    sheet.page.paragraph(rest,
-                         english ? fault->message.view()
-                         : told  ? happened.view()
-                                 : known.meaning,
+    const ToldText happened = english ? as_shown(fault->message.view())
+                              : told  ? filled_in(told->sentence, fault->told, sheet.language)
+                                      : ToldText();
+    sheet.page.paragraph(rest, english || told ? happened.view() : known.meaning,
                          sheet.plain(ink::kPale, sheet.fit_of(fault->told)));
   }
 }

@@ -8,33 +8,26 @@
 namespace plumbline {
 namespace {
 
-/// Three digits are enough for a person, but areas of a panel have four before the point.
-FixedText<24> rounded(double value) {
-  FixedText<24> text;
-  text.add(value >= 100 ? "%.0f" : "%.3g", value);
-  return text;
-}
-
 /// What is smaller than a drop would need an exponent in millilitres.
 FixedText<32> volume(double ml) {
   FixedText<32> text;
   const bool is_small = ml < 0.01;
-  text.add("%s %s", rounded(is_small ? 1000 * ml : ml).c_str(), is_small ? "mm3" : "ml");
+  text.add("%s %s", three_digits(is_small ? 1000 * ml : ml).c_str(), is_small ? "mm3" : "ml");
   return text;
 }
 
 void add_size(FixedText<256>& text, const Issue& issue, const IssueScale& scale) {
   switch (words_of(issue.kind).size) {
     case IssueSize::kArea:
-      text.add("%s mm2 (%llu px)", rounded(scale.mm2(issue.pixels)).c_str(), big(issue.pixels));
+      text.add("%s mm2 (%llu px)", three_digits(scale.mm2(issue.pixels)).c_str(), big(issue.pixels));
       break;
     case IssueSize::kVolume:
       text.add("%s", volume(scale.ml(issue.voxels)).c_str());
       if (issue.kind == IssueKind::kTear) {
-        text.add(", pulled with %s N and held with %s N", rounded(static_cast<double>(issue.asked_n)).c_str(),
-                 rounded(static_cast<double>(issue.held_n)).c_str());
+        text.add(", pulled with %s N and held with %s N", three_digits(static_cast<double>(issue.asked_n)).c_str(),
+                 three_digits(static_cast<double>(issue.held_n)).c_str());
       } else {
-        text.add(", up to %s mm2 in area", rounded(scale.mm2(issue.pixels)).c_str());
+        text.add(", up to %s mm2 in area", three_digits(scale.mm2(issue.pixels)).c_str());
       }
       break;
     case IssueSize::kLayers: text.add("%u layer%s", issue.layers(), issue.layers() == 1 ? "" : "s"); break;
@@ -125,7 +118,7 @@ FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, con
   add_size(text, group.kept[0], scale);
   add_place(text, group.kept[0], scale);
   if (kind == IssueKind::kFreePiece && findings.shadowed_voxels > 0) {
-    text.add(", and %s more in its shadow", volume(scale.ml(findings.shadowed_voxels)).c_str());
+    text.add(", and %s above it then gets no light", volume(scale.ml(findings.shadowed_voxels)).c_str());
   }
   return text;
 }

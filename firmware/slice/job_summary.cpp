@@ -51,12 +51,13 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
   text.add("print      %s: %s%s%s\n", report.scan_name.c_str(), size_text(s.placement).c_str(),
            printer.empty() ? "" : " on ", printer.c_str());
   if (s.turned) {
-    text.add("turned     the best way up, which is --rotate-x %.4g --rotate-y %.4g\n", s.turned->degrees[0],
+    text.add("turned     to its best orientation: --rotate-x %.4g --rotate-y %.4g\n", s.turned->degrees[0],
              s.turned->degrees[1]);
   }
-  text.add("resin      %.1f ml", report.volume_mm3() / 1000);
+  text.add("resin      %s ml", three_digits(report.volume_mm3() / 1000).c_str());
   if (report.supports.all() > 0) {
-    text.add(", %.1f ml of it in %u supports", report.support_volume_mm3() / 1000, report.supports.all());
+    text.add(", %s ml of it in %u supports", three_digits(report.support_volume_mm3() / 1000).c_str(),
+             report.supports.all());
   }
   text.add("\n");
   if (!print_time.empty()) {

@@ -37,7 +37,7 @@ Proposal in_mm(const Orientation& o, double mm) {
 Expected<Proposals> propose_orientations(const SurfaceSamples& samples, const ScanHeader& header,
                                          const PlacementSettings& placement, const StageProgress& progress) {
   const auto best = best_orientations(samples, progress);
-  if (!best) return fail(ErrorCode::kCancelled, "cancelled while the best ways up were looked for");
+  if (!best) return fail(ErrorCode::kCancelled, "cancelled while looking for the best orientations");
   Box3d box;
   for (const SurfaceSample& patch : samples.patches) box.extend(patch.position.cast<double>());
   const PlacementSettings placing = heed_header(placement, header);

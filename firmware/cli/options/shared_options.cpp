@@ -113,12 +113,13 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
                   ->excludes(scale)
                   ->group(kObjectGroup);
   add_size_options(app, job, scale, fit);
-  auto* orient = app.add_option_function<std::string>(
-                        "--orient", [&job](const std::string& word) { job.orient = word == "auto"; },
-                        "auto turns it the best way up, see 'plumbline orient --help'; none leaves it as it is [none]")
-                     ->type_name("KIND")
-                     ->check(one_of({"none", "auto"}))
-                     ->group(kObjectGroup);
+  auto* orient =
+      app.add_option_function<std::string>(
+             "--orient", [&job](const std::string& word) { job.orient = word == "auto"; },
+             "auto turns it to its best orientation, see 'plumbline orient --help'; none leaves it as it is [none]")
+          ->type_name("KIND")
+          ->check(one_of({"none", "auto"}))
+          ->group(kObjectGroup);
   const char* const names[] = {"--rotate-x", "--rotate-y", "--rotate-z"};
   const char* const help[] = {"Turn it about x, right-handed; done first [0]", "Turn it about y; done second [0]",
                               "Turn it about z; done last [0]"};

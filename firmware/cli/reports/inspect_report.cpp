@@ -83,7 +83,7 @@ void add_coverage(Text& text, const ScanOutlook& o) {
     text.add("scanned    unknown: %s\n", o.scan.sliced.error().message());
   }
   if (o.scan.turned) {
-    text.add("turned     the best way up: --rotate-x %.4g --rotate-y %.4g\n", o.scan.turned->degrees[0],
+    text.add("turned     to its best orientation: --rotate-x %.4g --rotate-y %.4g\n", o.scan.turned->degrees[0],
              o.scan.turned->degrees[1]);
   }
   if (lies_on_its_face(o.scan.clustering)) {

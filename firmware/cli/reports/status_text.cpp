@@ -86,7 +86,7 @@ void add_proposals(std::string& page, std::string_view state) {
     line.add("%c %.0f  x %.4g, y %.4g degrees: %.3g ml to support, %.4g mm high, largest layer %.3g cm2",
              chosen ? '*' : ' ', number, json_number(way, "rotate_x_deg"), json_number(way, "rotate_y_deg"),
              json_number(way, "support_ml"), json_number(way, "height_mm"), json_number(way, "peel_mm2") / 100);
-    add_line(page, number == 0 ? "ways up" : "", std::string(line.view()));
+    add_line(page, number == 0 ? "oriented" : "", std::string(line.view()));
   });
 }
 

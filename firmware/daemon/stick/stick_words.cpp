@@ -53,6 +53,19 @@ const Option* option_at(std::string_view text) {
   return nullptr;
 }
 
+/// What somebody does about it in the printer's settings, or "".
+std::string_view by_settings(ToldCode told) {
+  switch (told) {
+    case ToldCode::kTooWide:
+    case ToldCode::kTooDeep: return "Under Settings, turn it or print it smaller.";
+    case ToldCode::kTooHigh: return "Under Settings, tilt it or print it smaller.";
+    case ToldCode::kTooHighOnSupports: return "Under Settings, tilt it, or print it smaller or without supports.";
+    case ToldCode::kTooManySupports: return "Under Settings, turn or tilt it.";
+    case ToldCode::kTooSmall: return "Under Settings, choose a height.";
+    default: return {};
+  }
+}
+
 }  // namespace
 
 FixedText<1000> in_stick_words(std::string_view text) {
@@ -81,6 +94,17 @@ FixedText<1000> in_stick_words(std::string_view text) {
     text.remove_prefix(1 + length);
   }
   if (rewritten && result.view().find("job.toml") == std::string_view::npos) result.add(" (in job.toml on the stick)");
+  return result;
+}
+
+FixedText<1000> in_stick_words(std::string_view text, ToldCode told) {
+  const FixedText<1000> of_job_file = in_stick_words(text);
+  const std::string_view first = by_settings(told);
+  if (first.empty()) return of_job_file;
+  FixedText<1000> result;
+  result.add("%.*s", static_cast<int>(first.size()), first.data());
+  if (of_job_file.view().empty()) return result;
+  result.add(" Or %c%s", std::tolower(static_cast<unsigned char>(of_job_file.view()[0])), of_job_file.c_str() + 1);
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
+#include "slicer/core/words/told.hpp"
 
 namespace plumbline {
 
@@ -10,5 +11,8 @@ namespace plumbline {
 /// "Use --scale 0.5 or less, --fit" becomes "Use scale = 0.5 or less, fit = true (in job.toml on the stick)". Text without such
 /// options stays as it is.
 FixedText<1000> in_stick_words(std::string_view text);
+
+/// The same, for what the printer's settings can change: names them first, since they need no computer.
+FixedText<1000> in_stick_words(std::string_view text, ToldCode told);
 
 }  // namespace plumbline

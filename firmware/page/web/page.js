@@ -188,7 +188,7 @@ function showNow() {
   show("question", Boolean(state.question), worded(state.question_told, state.question || ""));
   show("answers", Boolean(state.question), words.answers);  // the printer speaks of its own buttons
   // A message without a code says what title, hint and facts say, too.
-  const message = said && !inWords(state.message_told) ? "" : worded(state.message_told, state.message || "");
+  const message = state.message_told && (!said || inWords(state.message_told)) ? worded(state.message_told, state.message || "") : "";
   show("message", message !== "" && !state.fault, message);
   const fault = state.fault;
   $("fault").hidden = !fault;

@@ -231,7 +231,7 @@ class BrowserTest(PagePrinter):
         # The stage stood elsewhere than the journal says, so the printer asks. Whoever goes on has measured the part.
         self.until_state("paused", "!document.querySelector('#question').hidden")
         # It names the printer's buttons. The page says which of its own those are.
-        self.assertIn("start is “Go on”", browser.run("return document.querySelector('#answers').innerText"))
+        self.assertIn("start is “Resume”", browser.run("return document.querySelector('#answers').innerText"))
         self.look("question")
         self.do("resume")
         self.until_state("printing")

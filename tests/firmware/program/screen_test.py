@@ -136,7 +136,7 @@ class Screen(StatePrinter):
         user.refused("needs \"scan\"", "picture", picture="scan")
         user.do("choose", scan=3)
         user.do("set", key="layer_height", value=0.1)
-        user.refused("the best ways up are not known", "set", key="proposal", value=1)
+        user.refused("the best orientations are not known", "set", key="proposal", value=1)
         user.do("propose")
         user.until(lambda s: s["state"] == "slicing" and s["slicing"]["proposes"], "it looks for them")
         found = user.until(lambda s: s["state"] == "offered" and s["proposals"] and s["commands"], "the best ways up")

@@ -215,7 +215,9 @@ std::vector<ScreenCase> golden_cases() {
                   FaultCode::kDoesNotFit,
                   "the object is 182.40 mm high (z), but the printer has room for 150.00 mm: 32.40 mm too "
                   "much",
-                  "Use scale = 0.82 or less, fit = true, or rotate it (in job.toml on the stick).",
+                  "Under Settings, tilt it or print it smaller. Or use scale = 0.82 or less, fit = true, or rotate it "
+                  "(in "
+                  "job.toml on the stick).",
                   {ToldCode::kTooHigh, {{Fact::kHeightMm, 182.4}, {Fact::kLimitMm, 150}, {Fact::kExcessMm, 32.4}}});
             })},
       {"ending", with(kSuspended)},

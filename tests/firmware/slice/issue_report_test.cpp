@@ -63,7 +63,7 @@ TEST(IssueReport, SaysHowMuchMoreIsLostInTheShadowOfWhatFalls) {
   StackFindings findings = some_findings();
   findings.shadowed_voxels = 4'000'000;
   const auto sentence = issue_sentence(IssueKind::kFreePiece, findings, kGrid);
-  EXPECT_THAT(std::string(sentence.view()), EndsWith("(3.50 to 5.50 mm), and 0.5 ml more in its shadow"));
+  EXPECT_THAT(std::string(sentence.view()), EndsWith("(3.50 to 5.50 mm), and 0.5 ml above it then gets no light"));
   CheckPolicy policy;
   policy.of(IssueKind::kFreePiece) = CheckAction::kRefuse;
   EXPECT_THAT(std::string(judge(findings, kGrid, policy).error().advice()), HasSubstr("set free_piece in [checks]"));

@@ -14,6 +14,14 @@ TEST(StickWords, TurnOptionsIntoKeysOfTheJobFile) {
   EXPECT_EQ(in_stick_words("check --units").view(), "check units (in job.toml on the stick)");
 }
 
+TEST(StickWords, NameTheSettingsFirstIfTheyHelp) {
+  EXPECT_EQ(in_stick_words("Use --scale 0.5 or less, or --fit", ToldCode::kTooHigh).view(),
+            "Under Settings, tilt it or print it smaller. Or use scale = 0.5 or less, or fit = true (in job.toml on "
+            "the stick)");
+  EXPECT_EQ(in_stick_words("", ToldCode::kTooSmall).view(), "Under Settings, choose a height.");
+  EXPECT_EQ(in_stick_words("check --units", ToldCode::kNone).view(), in_stick_words("check --units").view());
+}
+
 TEST(StickWords, LeaveOtherTextAlone) {
   for (const char* text : {"", "no scan on the stick", "--arena-mib", "a--b", "say --scaled"}) {
     EXPECT_EQ(in_stick_words(text).view(), text);
