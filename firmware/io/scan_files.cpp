@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <iterator>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -39,6 +40,20 @@ Expected<std::vector<std::string>> with_folders_listed(std::span<const std::stri
   return listed;
 }
 
+/// Points that are read twice make a scan look denser and less noisy than it is.
+Status check_each_once(const std::vector<std::string>& paths) {
+  std::set<fs::path> seen;
+  for (const std::string& path : paths) {
+    std::error_code problem;
+    const fs::path file = fs::weakly_canonical(path, problem);
+    if (!problem && !seen.insert(file).second) {
+      return fail(ErrorCode::kBadSetting, "%s is given twice: name each file of the scan once",
+                  PrintableText(path).c_str());
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<ScanFiles> ScanFiles::open(std::span<const std::string> paths) {
@@ -50,6 +65,7 @@ Expected<ScanFiles> ScanFiles::open(std::span<const std::string> paths) {
         "a scan of %zu files was given; it may have 1 to %zu. Join some of them: text files can be concatenated",
         listed->size(), kMostScans);
   }
+  PLUMBLINE_TRY(check_each_once(*listed));
   ScanFiles scan;
   scan.files_.reserve(listed->size());
   for (const std::string& path : *listed) {

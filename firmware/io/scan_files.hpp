@@ -15,7 +15,7 @@ class ScanFiles {
   /// @param paths  files in the order to read them, and folders, whose scans are read in the order of their names: 1 to kMostScans files
   /// @retval the errors of FolderScans::paths()
   /// @retval ErrorCode::kCannotOpen   any of them: FileSource::open()
-  /// @retval ErrorCode::kBadSetting   too many, or none
+  /// @retval ErrorCode::kBadSetting   too many, or none, or one of them twice
   [[nodiscard]] static Expected<ScanFiles> open(std::span<const std::string> paths);
 
   ScanSources sources() const { return sources_; }

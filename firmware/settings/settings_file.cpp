@@ -275,12 +275,14 @@ Expected<std::string> read_settings_text(const std::string& path, const char* ki
   };
   const std::unique_ptr<std::FILE, Close> file{std::fopen(path.c_str(), "rb")};
   if (!file) {
-    return fail(ErrorCode::kCannotOpen, "%s: %s", printable(path, kLongestPath).c_str(), std::strerror(errno));
+    return fail(ErrorCode::kCannotOpen, "%s: %s cannot be opened: %s", printable(path, kLongestPath).c_str(), kind,
+                std::strerror(errno));
   }
   std::string text(kMaxSettingsFileBytes + 1, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), file.get()));
   if (std::ferror(file.get()) != 0) {
-    return fail(ErrorCode::kCannotRead, "%s: %s", printable(path, kLongestPath).c_str(), std::strerror(errno));
+    return fail(ErrorCode::kCannotRead, "%s: %s cannot be read: %s", printable(path, kLongestPath).c_str(), kind,
+                std::strerror(errno));
   }
   if (text.size() > kMaxSettingsFileBytes) {
     return fail(ErrorCode::kMalformed, "%s: larger than %zu bytes, so not %s", printable(path, kLongestPath).c_str(),

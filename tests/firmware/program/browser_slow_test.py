@@ -179,7 +179,7 @@ class BrowserTest(PagePrinter):
             return all.length === 5 && all.every((img) => img.naturalWidth === 160)""", "five ways up")
         ways = browser.run("return [...document.querySelectorAll('#proposals button')].map((b) => [b.ariaPressed, b.innerText])")
         self.assertEqual([pressed for pressed, _ in ways], ["true", "false", "false", "false", "false"])
-        self.assertRegex(ways[2][1], r"^\s*Way 2\nSpace to support \d\.\d ml, \d\.\d cm²\nHeight \d\.\d mm\nLargest layer \d\.\d cm²$")
+        self.assertRegex(ways[2][1], r"^\s*No. 2\nVolume to support \d\.\d ml, \d\.\d cm²\nHeight \d\.\d mm\nLargest layer \d\.\d cm²$")
         self.tab_to("#proposals li:nth-child(3) button")
         browser.press(ENTER)
         browser.until("return document.querySelector('#proposals li:nth-child(3) button').ariaPressed === 'true'", "the second way up")

@@ -26,6 +26,12 @@ class WorldErrors(Program):
     def test_directory_for_a_scan(self):
         self.refused("slice", self.dir, "-o", self.out, message=".*: the folder has no scans: name one with files such as .ply")
 
+    def test_a_file_that_is_given_twice(self):
+        write_sphere(self.scan)
+        self.refused("slice", self.scan, self.scan, "-o", self.out, message=".*sphere.ply is given twice: name each file")
+        self.refused("slice", self.dir, self.scan, "-o", self.out, message=".*sphere.ply is given twice")
+        self.assertFalse(self.out.exists())
+
     def test_file_that_is_not_a_scan(self):
         self.scan.write_bytes(bytes(range(256)) * 10)
         self.refused("slice", self.scan, "-o", self.out, message="sphere.ply: ")
@@ -105,6 +111,7 @@ class WorldErrors(Program):
     def test_board_file_that_is_missing_or_wrong(self):
         write_sphere(self.scan)
         self.refused("slice", self.scan, "-o", self.out, "--printer", self.dir / "no.toml", message=".*no.toml: no such board file. .* mono2k")
+        self.refused("slice", self.scan, "-o", self.out, "--printer", self.dir, message=".*: a board file cannot be read: Is a directory")
         self.refused("inspect", self.scan, "--printer", "mono3k", message="no printer is called mono3k. Did you mean mono2k\\?.* in board, ")
         self.board.write_text("[printer]\nnaem = 'x'\n")
         self.refused("slice", self.scan, "-o", self.out, "--printer", self.board, message=".*small.toml:2: .*naem")
