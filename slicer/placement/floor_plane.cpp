@@ -20,8 +20,8 @@ constexpr float kMarginEpsilons = 0.3F;  ///< supports reach as far, so the floo
 constexpr float kMarginNoise = 4;        ///< standard deviations
 constexpr float kRound = 1.08F;  ///< radius over half of a side: of a disc 1.04, of an octagon 1.1, of a square 1.4
 constexpr float kRim = 0.07F;    ///< of the radius: how near to the edge a turntable's wall is
-constexpr float kMostInside = 0.05F;     ///< of the points below a turntable: not at its edge, as those of an underside
-constexpr float kMostOnRim = 0.6F;       ///< the object's side over the turntable's; round plinths are rarely so wide
+constexpr float kMostInside = 0.05F;   ///< of the points below a turntable: not at its edge, as those of an underside
+constexpr float kMostOnRim = 0.6F;     ///< the object's side over the turntable's; round plinths are rarely so wide
 constexpr float kReach = 0.05F;        ///< of the object's side, by which the floor reaches beyond it
 constexpr float kFree = 0.25F;         ///< share of the floor that has no object above it
 constexpr float kLeastHeight = 0.25F;  ///< of the object's larger horizontal side
@@ -245,7 +245,7 @@ class FloorSearch {
     std::size_t count = 0;
     const std::uint32_t step = cloud_.size / kSample + 1;
     for (std::uint32_t i = 0; i < cloud_.size; i += step) {
-      if (is_surface(i) && std::abs(above(cloud_.position[i])) <= margin_) {
+      if (cloud_.is_surface(i) && std::abs(above(cloud_.position[i])) <= margin_) {
         distances[count++] = from_middle(cloud_.position[i]);
       }
     }
@@ -258,7 +258,7 @@ class FloorSearch {
     std::uint32_t inside = 0;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       const Vec3f& p = cloud_.position[i];
-      if (!is_surface(i) || above(p) >= -1.5F * margin_) continue;
+      if (!cloud_.is_surface(i) || above(p) >= -1.5F * margin_) continue;
       ++below;
       inside += std::abs(from_middle(p) - radius) > kRim * radius ? 1 : 0;
     }
