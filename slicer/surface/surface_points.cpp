@@ -1,11 +1,11 @@
 #include "slicer/surface/surface_points.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "slicer/surface/flying_points.hpp"
 #include "slicer/surface/sparse_surface.hpp"
 #include "slicer/surface/support_size.hpp"
+#include "slicer/surface/surface_class.hpp"
 
 namespace plumbline {
 namespace {
@@ -21,9 +21,6 @@ constexpr double kRefinedAgain = 0.95;
 /// Outliers that happen to face the same way are mostly of mixed type: 0.1.
 constexpr double kLeastCoreShare = 0.25;
 
-/// Share of the normals' components away from the middle by which they face inwards: 1 for a ball that is inside out.
-constexpr double kInward = 0.2;
-
 Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings, const ClusteringResult& clustering,
               Arena& arena, const StageProgress& progress) {
   const ArenaScope scope(arena);
@@ -37,7 +34,7 @@ Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings
 template <class Visit>
 void for_each_kept(const Cloud& cloud, Visit visit) {
   for (std::uint32_t i = 0; i < cloud.size; ++i) {
-    if (cloud.normal[i].point_class != PointClass::kNoise) visit(i);
+    if (cloud.is_surface(i)) visit(i);
   }
 }
 
@@ -55,24 +52,31 @@ std::optional<FloorPlane> floor_of(const Cloud& cloud, const SurfaceSettings& se
   return plane;
 }
 
-/// Turns all normals over if they face into the object. Estimated ones may: a round turntable with a ball on it looks like the cap of
-/// something below, and then the ball like a cavity.
-void face_outwards(Cloud& cloud) {
-  Vec3d centre = Vec3d::Zero();
-  double count = 0;
-  for_each_kept(cloud, [&](std::uint32_t i) {
-    centre += cloud.position[i].cast<double>();
-    ++count;
-  });
-  centre /= std::max(1.0, count);
+/// Turns everything over if what stands on the floor faces inwards. A floor larger than its object has most of the flux by which
+/// estimated normals got their side, so it may have turned the object inside out.
+///
+///   sum_i <a_i n_i, p_i - o> = 3 V    (divergence theorem, o on the floor, V the volume between object and floor)
+///
+/// o lies below the object's middle, where what was not seen of it matters least.
+void face_outwards(Cloud& cloud, const FloorPlane& floor) {
+  Vec3d middle = Vec3d::Zero();
+  Vec3d sum = Vec3d::Zero();
   double flux = 0;
-  double reach = 0;
+  double area = 0;
   for_each_kept(cloud, [&](std::uint32_t i) {
-    const Vec3d from = cloud.position[i].cast<double>() - centre;
-    flux += from.dot(cloud.normal[i].unpack().cast<double>());
-    reach += std::sqrt(from.dot(from));
+    const double share = static_cast<double>(cloud.radius[i]) * static_cast<double>(cloud.radius[i]);
+    const Vec3d vector = share * cloud.normal[i].unpack().cast<double>();
+    const Vec3d p = cloud.position[i].cast<double>();
+    flux += vector.dot(p);
+    sum += vector;
+    middle += share * p;
+    area += share;
   });
-  if (flux > -kInward * reach) return;
+  if (!(area > 0)) return;
+  middle /= area;
+  const Vec3d up = floor.normal.cast<double>();
+  const Vec3d foot = middle - (up.dot(middle) - static_cast<double>(floor.offset)) * up;
+  if (flux - sum.dot(foot) >= 0) return;
   for_each_kept(cloud, [&](std::uint32_t i) {
     cloud.normal[i].turn_over();
     cloud.normal[i].point_class = orientation_of(cloud.normal[i]);
@@ -89,7 +93,7 @@ void cut_floor(Cloud& cloud, const SurfaceSettings& settings, SurfacePoints& sur
     normal.point_class = PointClass::kNoise;
     ++surface.floor_points;
   }
-  if (settings.normals == NormalSource::kPoints) face_outwards(cloud);
+  if (settings.normals == NormalSource::kPoints) face_outwards(cloud, *surface.floor);
 }
 
 }  // namespace

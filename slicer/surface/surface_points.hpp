@@ -34,7 +34,8 @@ struct SurfacePoints {
 };
 
 /// Calls cluster(), and what goes beyond the thesis: refine_normals(), rescue_sparse_surface(), mark_stray_pieces(), find_floor(),
-/// mark_flying_points(), widen_supports() and continue_bore_walls(), in that order. Estimated normals are fitted again if supports got wider.
+/// mark_flying_points(), widen_supports() and continue_bore_walls(), in that order. Estimated normals are turned over if the object
+/// on a floor faces inwards, and fitted again if supports got wider.
 ///
 /// @param cloud  in the order of `tree`, with normals. On return noise points are gone, classes and supports are set
 /// @param arena  work space of these functions from the top, released on return

@@ -147,6 +147,26 @@ TEST(Floor, IsCutOffWithTheRimOfATurntable) {
   }
 }
 
+TEST(Floor, LeavesATallColumnOfItsVolumeWithoutNormals) {
+  Random random(11);
+  Surface scan = floor_around(80, 5, random);
+  for (int ring = 0; ring < 100; ++ring) {
+    for (int k = 0; k < 78; ++k) {
+      const double angle = 2 * kPi * (k + 0.5 * (ring % 2)) / 78;
+      const Vec3d out(std::cos(angle), std::sin(angle), 0);
+      scan.push_back({5 * out + Vec3d(0, 0, 0.4 * ring), out});
+    }
+  }
+  for (const SurfacePoint& p : sphere(sphere_points(5, kSpacing), 5, {0, 0, 40})) {
+    if (p.position[2] > 40) scan.push_back(p);
+  }
+  add_noise(scan, 0.02, 0.01, random);
+  const Slicing sliced(MemorySource(text_of(scan), "column.xyz"), settings_with_pitch(0.25F), 64 * kMiB);
+  const double volume = kPi * 25 * 40 + 2.0 / 3 * kPi * 125;
+  EXPECT_GT(sliced.report().floor.points, 15'000U);
+  EXPECT_NEAR(sliced.volume(), volume, 0.06 * volume);
+}
+
 TEST(Floor, IsPrintedIfItIsToBeKept) {
   Random random(1);
   const SliceReport report = report_of(ball_on_floor(random), {FloorChoice::Kind::kKeep, 0});
