@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "firmware/io/fixed_text.hpp"
-#include "firmware/io/last_number.hpp"
+#include "firmware/io/text/fixed_text.hpp"
+#include "firmware/io/text/last_number.hpp"
 #include "firmware/pictures/reduced_picture.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/words/printable_text.hpp"

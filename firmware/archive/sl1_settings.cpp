@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/version.hpp"
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"

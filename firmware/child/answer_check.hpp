@@ -6,7 +6,7 @@
 
 #include "firmware/child/scan_answer.hpp"
 #include "firmware/child/scan_request.hpp"
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/sliced_archive.hpp"
 #include "firmware/print/sliced_scan.hpp"
 #include "slicer/core/arena.hpp"

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "firmware/archive/layer_archive.hpp"
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "slicer/reader/scan_sources.hpp"
 #include "slicer/slice_settings.hpp"
 #include "slicer/supports/support_settings.hpp"

@@ -5,9 +5,9 @@
 #include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/cli/reports/status_text.hpp"
 #include "firmware/cli/scan_upload.hpp"
-#include "firmware/io/json_cursor.hpp"
-#include "firmware/io/json_writer.hpp"
 #include "firmware/io/progress_lines.hpp"
+#include "firmware/io/text/json_cursor.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/state_link.hpp"
 

@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
+#include "firmware/io/text/json_writer.hpp"
 
 namespace plumbline {
 namespace {

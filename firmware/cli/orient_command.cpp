@@ -7,12 +7,12 @@
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/terminal_job.hpp"
-#include "firmware/io/fixed_text.hpp"
-#include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
 #include "firmware/io/scan_files.hpp"
+#include "firmware/io/text/fixed_text.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/pictures/orientation_picture.hpp"
-#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/preview/preview.hpp"
 #include "firmware/slice/orientation_proposals.hpp"
 #include "slicer/preparation.hpp"
 
@@ -26,7 +26,8 @@ constexpr const char* kOrientFooter =
     "  plumbline slice bust.ply -o out --orient auto                  use the first\n"
     "\n"
     "Output: how the scan lies now and the best four orientations, each with the area that needs supports, the space\n"
-    "below it, the area of the largest layer (which must be peeled off the film), the height, and the area of scars that\n"
+    "below it, the area of the largest layer (which must be peeled off the film), the height, and the area of scars "
+    "that\n"
     "supports leave, counted more where the scanner saw the surface better. Units are mm.\n";
 
 using Line = FixedText<200>;

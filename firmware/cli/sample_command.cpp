@@ -4,10 +4,10 @@
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/accepted_values.hpp"
-#include "firmware/io/fixed_text.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/output_file.hpp"
 #include "firmware/io/progress_lines.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/sample/scan_sample.hpp"
 
 namespace plumbline {

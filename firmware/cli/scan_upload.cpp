@@ -18,7 +18,7 @@
 #include "firmware/cli/reports/status_text.hpp"
 #include "firmware/daemon/upload/upload_name.hpp"
 #include "firmware/io/descriptor.hpp"
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/state_link.hpp"
 #include "slicer/core/words/printable_text.hpp"

@@ -9,8 +9,8 @@
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/cli/reports/status_text.hpp"
-#include "firmware/io/json_cursor.hpp"
 #include "firmware/io/output_file.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 #include "firmware/state/state_link.hpp"
 
 namespace plumbline {

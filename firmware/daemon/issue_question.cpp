@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "firmware/daemon/sliced_record.hpp"
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/slice/issue_report.hpp"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 
 #include "firmware/archive/layer_archive.hpp"
 #include "firmware/daemon/stick/job_setting.hpp"
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/told/printer_code.hpp"
 
 namespace plumbline {

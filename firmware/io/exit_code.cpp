@@ -1,7 +1,7 @@
 #include "firmware/io/exit_code.hpp"
 
-#include "firmware/io/fixed_text.hpp"
 #include "firmware/io/progress_lines.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 
 namespace plumbline {
 

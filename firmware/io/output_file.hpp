@@ -5,8 +5,8 @@
 #include <span>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
-#include "firmware/io/text_sink.hpp"
+#include "firmware/io/text/fixed_text.hpp"
+#include "firmware/io/text/text_sink.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 
 namespace plumbline {
 namespace {

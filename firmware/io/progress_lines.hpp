@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
 #include "firmware/io/job_progress.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {

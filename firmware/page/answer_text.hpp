@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "firmware/io/json_writer.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/page/http_server.hpp"
 #include "slicer/core/error.hpp"
 

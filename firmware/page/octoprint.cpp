@@ -4,8 +4,8 @@
 #include <array>
 #include <optional>
 
-#include "firmware/io/fixed_text.hpp"
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/fixed_text.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 #include "firmware/io/version.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "firmware/io/text_sink.hpp"
+#include "firmware/io/text/text_sink.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

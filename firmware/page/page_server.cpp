@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "firmware/io/base64.hpp"
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/base64.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 #include "firmware/page/access.hpp"
 #include "firmware/page/octoprint.hpp"
 #include "firmware/page/page_files.hpp"

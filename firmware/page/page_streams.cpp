@@ -4,7 +4,7 @@
 #include <cstring>
 #include <utility>
 
-#include "firmware/io/base64.hpp"
+#include "firmware/io/text/base64.hpp"
 #include "firmware/state/state_line.hpp"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <utility>
 
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 
 namespace plumbline {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "firmware/io/descriptor.hpp"
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/page/http_server.hpp"
 
 namespace plumbline {

@@ -1,6 +1,6 @@
 #include "firmware/page/printer_texts.hpp"
 
-#include "firmware/io/json_writer.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/screen/fault_words.hpp"
 #include "firmware/told/told_words.hpp"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/told/language.hpp"
 #include "slicer/core/error.hpp"
 

@@ -1,6 +1,6 @@
 #include "firmware/page/upload_requests.hpp"
 
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 #include "firmware/page/printer_texts.hpp"
 
 namespace plumbline {

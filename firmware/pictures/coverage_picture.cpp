@@ -6,7 +6,7 @@
 
 #include "firmware/pictures/coverage_survey.hpp"
 #include "firmware/pictures/coverage_views.hpp"
-#include "firmware/pictures/preview_page.hpp"
+#include "firmware/pictures/preview/preview_page.hpp"
 
 namespace plumbline {
 

@@ -1,7 +1,7 @@
 #pragma once
 /// The coverage picture: which parts of the surface were scanned, and which were closed.
 
-#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/preview/preview.hpp"
 #include "slicer/rrep/confidence.hpp"
 
 namespace plumbline {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/pictures/preview_shading.hpp"
-#include "firmware/pictures/preview_survey.hpp"
+#include "firmware/pictures/preview/preview_shading.hpp"
+#include "firmware/pictures/preview/preview_survey.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/rrep/confidence.hpp"
 #include "slicer/rrep/rrep.hpp"

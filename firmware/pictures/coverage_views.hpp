@@ -1,7 +1,7 @@
 #pragma once
 /// The views of the coverage picture, for pages and for small pictures.
 
-#include "firmware/pictures/preview_layout.hpp"
+#include "firmware/pictures/preview/preview_layout.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/rrep/confidence.hpp"

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <tuple>
 
-#include "firmware/pictures/preview.hpp"
-#include "firmware/pictures/preview_page.hpp"
+#include "firmware/pictures/preview/preview.hpp"
+#include "firmware/pictures/preview/preview_page.hpp"
 #include "slicer/checks/overhangs.hpp"
 #include "slicer/layers/layer_regions.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"

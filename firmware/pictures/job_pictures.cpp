@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "firmware/pictures/coverage_views.hpp"
-#include "firmware/pictures/preview_views.hpp"
+#include "firmware/pictures/preview/preview_views.hpp"
 
 namespace plumbline {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "firmware/pictures/preview.hpp"
-#include "firmware/pictures/preview_page.hpp"
-#include "firmware/pictures/preview_shading.hpp"
+#include "firmware/pictures/preview/preview.hpp"
+#include "firmware/pictures/preview/preview_page.hpp"
+#include "firmware/pictures/preview/preview_shading.hpp"
 #include "slicer/placement/core_bounds.hpp"
 #include "slicer/placement/placement.hpp"
 

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <utility>
 
-#include "firmware/pictures/preview_layout.hpp"
-#include "firmware/pictures/preview_page.hpp"
-#include "firmware/pictures/preview_section.hpp"
-#include "firmware/pictures/preview_shading.hpp"
+#include "firmware/pictures/preview/preview_layout.hpp"
+#include "firmware/pictures/preview/preview_page.hpp"
+#include "firmware/pictures/preview/preview_section.hpp"
+#include "firmware/pictures/preview/preview_shading.hpp"
 
 namespace plumbline {
 

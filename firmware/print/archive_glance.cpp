@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "firmware/pictures/preview_page.hpp"
+#include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/print/layer_crossings.hpp"
 
 namespace plumbline {

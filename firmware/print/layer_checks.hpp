@@ -1,7 +1,7 @@
 #pragma once
 /// Checks for every layer: temperatures before its light, the dose after it.
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/plan/print_settings.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "hal/thermals.hpp"

@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/machine/part_figures.hpp"
 #include "firmware/machine/step_figures.hpp"
 #include "firmware/print/print_session.hpp"

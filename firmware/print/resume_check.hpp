@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/plan/print_plan.hpp"
 #include "firmware/print/store/journal.hpp"
 #include "hal/units.hpp"

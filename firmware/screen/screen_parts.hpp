@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/screen/page.hpp"
 #include "firmware/screen/screen_view.hpp"
 #include "firmware/screen/words.hpp"

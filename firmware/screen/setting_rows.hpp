@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/screen/words.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/printer_record.hpp"

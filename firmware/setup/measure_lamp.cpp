@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/settings/setting_words.hpp"
 #include "firmware/setup/bench.hpp"
 

@@ -1,4 +1,4 @@
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/settings/setting_words.hpp"
 #include "firmware/setup/bench.hpp"
 #include "firmware/setup/panel_look.hpp"

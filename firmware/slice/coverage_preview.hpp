@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/rrep/confidence.hpp"

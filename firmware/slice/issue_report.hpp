@@ -3,8 +3,8 @@
 
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
-#include "firmware/io/json_writer.hpp"
+#include "firmware/io/text/fixed_text.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/settings/check_policy.hpp"
 #include "slicer/checks/check_limits.hpp"
 #include "slicer/checks/stack_findings.hpp"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "slicer/reader/stream/words.hpp"
 
 namespace plumbline {

@@ -15,8 +15,8 @@
 #include <span>
 #include <string>
 
-#include "firmware/io/fixed_text.hpp"
 #include "firmware/io/output_file.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/settings/check_policy.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/slicer.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/io/json_writer.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/slice/job_report.hpp"
 
 namespace plumbline {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "firmware/io/file_source.hpp"
-#include "firmware/io/last_number.hpp"
+#include "firmware/io/text/last_number.hpp"
 #include "firmware/pictures/png_writer.hpp"
 #include "slicer/core/print_grid.hpp"
 

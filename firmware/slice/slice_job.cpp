@@ -4,12 +4,12 @@
 #include <array>
 #include <chrono>
 
-#include "firmware/io/json_writer.hpp"
 #include "firmware/io/mask_hash.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/pictures/coverage_picture.hpp"
 #include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/job_pictures.hpp"
-#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/preview/preview.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/manifest.hpp"

@@ -5,8 +5,8 @@
 #include <span>
 #include <utility>
 
-#include "firmware/io/json_cursor.hpp"
-#include "firmware/io/json_writer.hpp"
+#include "firmware/io/text/json_cursor.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 
 namespace plumbline {

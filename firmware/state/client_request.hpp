@@ -15,7 +15,7 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/state/command_rules.hpp"
 #include "slicer/core/error.hpp"
 

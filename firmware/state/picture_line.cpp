@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "firmware/io/base64.hpp"
+#include "firmware/io/text/base64.hpp"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/pictures/job_pictures.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/print/status/print_observer.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <ctime>
 
-#include "firmware/io/json_writer.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/io/version.hpp"
 #include "firmware/state/command_rules.hpp"
 #include "firmware/told/printer_code.hpp"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware/io/text_sink.hpp"
+#include "firmware/io/text/text_sink.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "slicer/core/error.hpp"

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <span>
 
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 #include "firmware/state/socket_place.hpp"
 #include "hal/process/passed_descriptor.hpp"
 

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "firmware/io/base64.hpp"
+#include "firmware/io/text/base64.hpp"
 #include "firmware/state/command_rules.hpp"
 #include "firmware/state/socket_place.hpp"
 #include "firmware/told/printer_code.hpp"

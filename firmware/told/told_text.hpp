@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/told/language.hpp"
 #include "firmware/told/printer_code.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "firmware/io/json_writer.hpp"
+#include "firmware/io/text/json_writer.hpp"
 
 namespace plumbline {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 #include "firmware/state/client_request.hpp"
 #include "tests/fuzz/require.hpp"
 

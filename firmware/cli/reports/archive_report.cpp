@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/version.hpp"
 #include "slicer/core/words/printable_text.hpp"
 

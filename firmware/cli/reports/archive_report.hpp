@@ -4,8 +4,8 @@
 #include <string>
 
 #include "firmware/archive/layer_archive.hpp"
-#include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/settings/job_options.hpp"
 
 namespace plumbline {

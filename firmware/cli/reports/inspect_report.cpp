@@ -4,8 +4,8 @@
 #include <array>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
 #include "firmware/io/progress_lines.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/version.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/slice/coverage_preview.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/inspect.hpp"

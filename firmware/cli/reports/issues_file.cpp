@@ -1,7 +1,7 @@
 #include "firmware/cli/reports/issues_file.hpp"
 
 #include "firmware/io/output_file.hpp"
-#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/preview/preview.hpp"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,7 @@
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/png_writer.hpp"
-#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/preview/preview.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
 

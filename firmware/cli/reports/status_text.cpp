@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/io/fixed_text.hpp"
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/fixed_text.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 
 namespace plumbline {
 namespace {

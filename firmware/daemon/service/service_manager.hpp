@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/words/printable_text.hpp"
 

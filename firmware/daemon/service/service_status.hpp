@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/status/print_report.hpp"
 
 namespace plumbline {

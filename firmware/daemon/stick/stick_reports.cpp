@@ -4,7 +4,7 @@
 #include <array>
 #include <ctime>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "hal/process/report_folder.hpp"
 
 namespace plumbline {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "hal/stick_port.hpp"
 #include "slicer/core/error.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/words/told.hpp"
 
 namespace plumbline {

@@ -13,7 +13,7 @@
 #include <string_view>
 
 #include "firmware/io/descriptor.hpp"
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

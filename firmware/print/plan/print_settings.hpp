@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/plan/print_plan.hpp"
 #include "hal/thermals.hpp"
 #include "hal/units.hpp"

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/print/status/print_state.hpp"
 #include "hal/clock.hpp"

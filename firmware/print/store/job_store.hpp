@@ -11,7 +11,7 @@
 #include <string>
 
 #include "firmware/io/descriptor.hpp"
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/store/job_file.hpp"
 #include "firmware/print/store/journal_file.hpp"
 #include "slicer/core/byte_source.hpp"

@@ -14,8 +14,8 @@
 #include <string_view>
 
 #include "firmware/io/descriptor.hpp"
-#include "firmware/io/fixed_text.hpp"
-#include "firmware/io/text_sink.hpp"
+#include "firmware/io/text/fixed_text.hpp"
+#include "firmware/io/text/text_sink.hpp"
 #include "firmware/print/store/job_facts.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"

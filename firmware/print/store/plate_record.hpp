@@ -8,7 +8,7 @@
 #include <string>
 
 #include "firmware/io/descriptor.hpp"
-#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/slicer/support/slicing.hpp"

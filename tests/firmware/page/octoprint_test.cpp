@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 
 namespace plumbline {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <memory>
 
-#include "firmware/io/json_writer.hpp"
 #include "firmware/io/mask_hash.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "slicer/support_building.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 

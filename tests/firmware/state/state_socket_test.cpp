@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 #include "firmware/state/socket_place.hpp"
 #include "firmware/state/state_link.hpp"
 #include "tests/firmware/support/job_fixture.hpp"

@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "firmware/io/progress_lines.hpp"
-#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/preview/preview.hpp"
 #include "firmware/slice/job_summary.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 

@@ -1,10 +1,10 @@
-#include "firmware/pictures/preview_views.hpp"
+#include "firmware/pictures/preview/preview_views.hpp"
 
 #include <algorithm>
 
-#include "firmware/pictures/preview_page.hpp"
-#include "firmware/pictures/preview_shading.hpp"
-#include "firmware/pictures/preview_survey.hpp"
+#include "firmware/pictures/preview/preview_page.hpp"
+#include "firmware/pictures/preview/preview_shading.hpp"
+#include "firmware/pictures/preview/preview_survey.hpp"
 #include "slicer/core/bit_image.hpp"
 
 namespace plumbline::preview {

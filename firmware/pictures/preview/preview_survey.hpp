@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/pictures/preview.hpp"
-#include "firmware/pictures/preview_layout.hpp"
-#include "firmware/pictures/preview_shading.hpp"
+#include "firmware/pictures/preview/preview.hpp"
+#include "firmware/pictures/preview/preview_layout.hpp"
+#include "firmware/pictures/preview/preview_shading.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"

@@ -1,4 +1,4 @@
-#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/pictures/preview_font.hpp"
+#include "firmware/pictures/preview/preview_font.hpp"
 
 namespace plumbline {
 

@@ -1,9 +1,9 @@
-#include "firmware/pictures/preview_survey.hpp"
+#include "firmware/pictures/preview/preview_survey.hpp"
 
 #include <algorithm>
 #include <bit>
 
-#include "firmware/pictures/preview_section.hpp"
+#include "firmware/pictures/preview/preview_section.hpp"
 
 namespace plumbline::preview {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "firmware/pictures/preview_layout.hpp"
+#include "firmware/pictures/preview/preview_layout.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/rrep/rrep.hpp"

@@ -1,4 +1,4 @@
-#include "firmware/pictures/preview_page.hpp"
+#include "firmware/pictures/preview/preview_page.hpp"
 
 #include <algorithm>
 #include <cmath>

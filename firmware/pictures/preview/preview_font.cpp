@@ -1,4 +1,4 @@
-#include "firmware/pictures/preview_font.hpp"
+#include "firmware/pictures/preview/preview_font.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
-#include "firmware/pictures/preview_layout.hpp"
+#include "firmware/pictures/preview/preview_layout.hpp"
 
-#include "firmware/pictures/preview_section.hpp"
+#include "firmware/pictures/preview/preview_section.hpp"
 
 namespace plumbline::preview {
 

@@ -1,13 +1,13 @@
-#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/preview/preview.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstdio>
 
-#include "firmware/pictures/preview_font.hpp"
-#include "firmware/pictures/preview_page.hpp"
-#include "firmware/pictures/preview_views.hpp"
+#include "firmware/pictures/preview/preview_font.hpp"
+#include "firmware/pictures/preview/preview_page.hpp"
+#include "firmware/pictures/preview/preview_views.hpp"
 
 namespace plumbline {
 

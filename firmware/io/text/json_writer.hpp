@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware/io/text_sink.hpp"
+#include "firmware/io/text/text_sink.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/words/printable_text.hpp"
 

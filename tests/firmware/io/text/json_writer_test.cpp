@@ -1,4 +1,4 @@
-#include "firmware/io/json_writer.hpp"
+#include "firmware/io/text/json_writer.hpp"
 
 #include <gtest/gtest.h>
 

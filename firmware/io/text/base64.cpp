@@ -1,4 +1,4 @@
-#include "firmware/io/base64.hpp"
+#include "firmware/io/text/base64.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,4 +1,4 @@
-#include "firmware/pictures/preview_shading.hpp"
+#include "firmware/pictures/preview/preview_shading.hpp"
 
 #include <algorithm>
 #include <array>

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/pictures/preview.hpp"
-#include "firmware/pictures/preview_shading.hpp"
+#include "firmware/pictures/preview/preview.hpp"
+#include "firmware/pictures/preview/preview_shading.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 

@@ -1,4 +1,4 @@
-#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/preview/preview.hpp"
 
 #include <gtest/gtest.h>
 #include <lodepng.h>
@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/pictures/preview_font.hpp"
+#include "firmware/pictures/preview/preview_font.hpp"
 
 namespace plumbline {
 namespace {
