@@ -328,8 +328,8 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
   const bool wants_reports = !uploaded && store_reports();
   observer_.begin_job();
   apply(PrintEvent::kJobOffered);
-  PrintSession session(settings_.board, settings_.machine, arena_, &store_,
-                       &decoder_);  // frees what is read into the arena
+  // Frees the arena at its end, so it is there before anything is read.
+  PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
   std::optional<ReadJob> read;
   {
     const auto mount = port.mount();

@@ -46,7 +46,7 @@ class PrinterDaemon {
   FaultCode fault() const { return fault_; }  ///< of the last job; kNone: none
 
  private:
-  /// A job after its stick may go.
+  /// A job as read from its stick, which may be pulled now.
   struct ReadJob {
     ScanRequest request;
     PrintProfile profile;
