@@ -21,9 +21,9 @@ constexpr const char* kStage = "clustering";
 constexpr std::int32_t kFewNeighbours = 8;
 /// Largest mean height of a point over its neighbours' planes, in epsilons, for a point on their sheet.
 constexpr float kMaxHeight = 0.2F;
-// Noise over epsilon between which supports grow from the least to the most points.
-constexpr float kCleanNoise = 0.02F;  ///< less is mostly curvature
-constexpr float kFullNoise = 0.1F;
+// Noise over epsilon, without curvature, between which supports grow from the least to the most points.
+constexpr float kCleanNoise = 0.02F;
+constexpr float kFullNoise = 0.096F;
 
 /// Share of the 2 minPts points within epsilon of the median point that face its way where there is a surface. Scans
 /// have 0.6 to 1, a sphere of 150 points 0.43; random normals have 1/8 by the metric, normals fitted to random points
@@ -51,6 +51,9 @@ struct Counts {
   std::int32_t same_type = 0;  ///< those of the same type
   std::int32_t sheet = 0;      ///< points within epsilon by the Euclidean metric that face the same way
   float offset = 0;            ///< sum over `near` of the point's height above their tangent planes, mm
+  float depth = 0;             ///< sum over `near` of their depth below the point's own tangent plane, mm
+
+  float mean(float sum) const { return std::abs(sum) / static_cast<float>(std::max(1, near)); }
 };
 
 PLUMBLINE_WIDE void count(const Member& m, const Neighbourhood& batch, float epsilon2, Counts& counts) {
@@ -58,6 +61,7 @@ PLUMBLINE_WIDE void count(const Member& m, const Neighbourhood& batch, float eps
   IntLanes same_type{};
   IntLanes sheet{};
   Lanes offset{};
+  Lanes depth{};
   for (std::uint32_t j = 0; j < batch.size; j += kLanes) {
     NeighbourLanes p;
     load(p, batch, j);
@@ -67,12 +71,15 @@ PLUMBLINE_WIDE void count(const Member& m, const Neighbourhood& batch, float eps
     const Lanes distance2 = dx * dx + dy * dy + dz * dz;
     const Lanes cosine = p.nx * m.normal[0] + p.ny * m.normal[1] + p.nz * m.normal[2];
     const Lanes height = dx * p.nx + dy * p.ny + dz * p.nz;
+    const Lanes below = dx * m.normal[0] + dy * m.normal[1] + dz * m.normal[2];
     const IntLanes facing = cosine > 0.0F;
     const IntLanes is_near = facing & (distance2 <= epsilon2 * cosine * cosine);
     near -= is_near;
-    Lanes near_height;
+    Lanes near_height, near_depth;
     choose(near_height, is_near, height, Lanes{});
+    choose(near_depth, is_near, below, Lanes{});
     offset += near_height;
+    depth += near_depth;
     same_type -= is_near & (p.type == m.type);
     sheet -= facing & (distance2 <= epsilon2);
   }
@@ -80,6 +87,7 @@ PLUMBLINE_WIDE void count(const Member& m, const Neighbourhood& batch, float eps
   counts.same_type += sum(same_type);
   counts.sheet += sum(sheet);
   counts.offset += sum(offset);
+  counts.depth += sum(depth);
 }
 
 class Clusterer {
@@ -104,6 +112,7 @@ class Clusterer {
   Status allocate(Arena& arena) {
     PLUMBLINE_TRY(arena.take_top(flags_, cloud_.size, kStage));
     PLUMBLINE_TRY(arena.take_top(heights_, (cloud_.size + noise_step_ - 1) / noise_step_, kStage));
+    PLUMBLINE_TRY(arena.take_top(level_heights_, heights_.size(), kStage));
     PLUMBLINE_TRY(arena.take_top(near_, heights_.size(), kStage));
     return {};
   }
@@ -132,7 +141,8 @@ class Clusterer {
     flags_[i] = static_cast<std::uint8_t>((core ? kCore : 0) | (dense ? kDense : 0));
     cloud_.radius[i] = epsilon_ / std::sqrt(static_cast<float>(std::max(1, c.sheet)));
     if (i % noise_step_ == 0) {
-      heights_[i / noise_step_] = std::abs(c.offset) / static_cast<float>(std::max(1, c.near));
+      heights_[i / noise_step_] = c.mean(c.offset);
+      level_heights_[i / noise_step_] = c.mean(0.5F * (c.offset + c.depth));
       near_[i / noise_step_] = c.near;
     }
     if (c.near >= kFewNeighbours) {
@@ -179,7 +189,8 @@ class Clusterer {
     result.epsilon = epsilon_;
     result.coherent = coherent_;
     result.noise = static_cast<float>(kMedianToDeviation) * median(heights_);
-    const float noisy = std::clamp((result.noise / epsilon_ - kCleanNoise) / (kFullNoise - kCleanNoise), 0.0F, 1.0F);
+    const float level_noise = static_cast<float>(kMedianToDeviation) * median(level_heights_);
+    const float noisy = std::clamp((level_noise / epsilon_ - kCleanNoise) / (kFullNoise - kCleanNoise), 0.0F, 1.0F);
     cloud_.set_support_points(settings_.min_support + noisy * (settings_.max_support - settings_.min_support));
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if ((flags_[i] & kNoisePoint) != 0) cloud_.normal[i].point_class = PointClass::kNoise;
@@ -195,7 +206,10 @@ class Clusterer {
   const ClusteringSettings& settings_;
   std::uint32_t noise_step_;  ///< step between points at which the noise is measured
   std::span<std::uint8_t> flags_;
-  std::span<float> heights_;      ///< of the samples, over the planes of their neighbours, mm
+  std::span<float> heights_;  ///< of the samples, over the planes of their neighbours, mm
+  // Means of the height over the neighbours' planes and of their depth below the sample's own, mm. Curvature cancels; noise does not.
+  // Where points are few, most of a height is curvature, and supports widened by it bridge gaps.
+  std::span<float> level_heights_;
   std::span<std::int32_t> near_;  ///< points near the samples
   bool coherent_ = true;
 };

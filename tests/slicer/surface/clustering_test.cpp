@@ -250,6 +250,20 @@ TEST(Clustering, MeasuresTheNoiseOfAScanAndWidensTheSupports) {
   EXPECT_GT(scan.cloud.support_points, 2 * ClusteringSettings{}.min_support);
 }
 
+/// @returns points of a support of a sphere with few points: epsilon is .7 radii
+float support_points_of_a_coarse_sphere(double noise) {
+  Random random(36);
+  Surface surface = sphere(500, 3, {5, 5, 5});
+  for (SurfacePoint& p : surface) p.position += noise * random.normal() * p.normal;
+  ArenaBlock arena(8 * kMiB);
+  return clustered(surface, *arena).cloud.support_points;
+}
+
+TEST(Clustering, WidensTheSupportsOfACoarseScanByItsNoiseAndNotByItsCurvature) {
+  EXPECT_EQ(support_points_of_a_coarse_sphere(0), ClusteringSettings{}.min_support);
+  EXPECT_GT(support_points_of_a_coarse_sphere(0.15), 2 * ClusteringSettings{}.min_support);
+}
+
 TEST(Clustering, ReportsAFullArenaAndReleasesWhatItTook) {
   Random random(35);
   const Surface surface = sheet({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.2, 0.2, random);

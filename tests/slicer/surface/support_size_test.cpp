@@ -90,7 +90,7 @@ TEST(SupportSize, IsTheSameForAnyNumberOfThreads) {
 
 TEST(SupportSize, KeepsSupportsWhereDetailExceedsTheNoise) {
   Random random(2);
-  const Widened detailed(waves(0.3, 2, 0.03, random));
+  const Widened detailed(waves(0.3, 1.5, 0.03, random));
   EXPECT_GT(detailed.support_before, 20);
   EXPECT_EQ(detailed.support_after, detailed.support_before);
   EXPECT_EQ(detailed.growth, 1);
