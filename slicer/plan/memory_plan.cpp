@@ -106,9 +106,10 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kNormals, cloud + tree + std::max({normals_bytes(points), sample_surface_bytes(points), reorder}));
   set(Stage::kTrees, cloud + tree + reorder);
   set(Stage::kViews, cloud + tree + std::max(align_views_bytes(points, threads), reorder));
-  set(Stage::kClustering, cloud + tree +
-                              std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
-                                        support_size_bytes(threads), bore_walls_bytes(points)}));
+  set(Stage::kClustering,
+      cloud + tree +
+          std::max({clustering_bytes(points), sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
+                    support_size_bytes(threads), bore_walls_bytes(points)}));
   std::size_t store = 0;
   // Without a grid the number of layers is unknown, but the cells take most of the map.
   const std::size_t map = evidence.confidence ? ConfidenceMap::bytes_needed(grid ? grid->layers : 0) : 0;

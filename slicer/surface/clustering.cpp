@@ -242,6 +242,12 @@ Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const C
   return (std::sqrt(d2[samples / 2]) + std::sqrt(d2[(samples - 1) / 2])) / 2;
 }
 
+std::size_t clustering_bytes(std::uint32_t points) {
+  const std::size_t samples = std::min(points, kMedianSample);
+  return Arena::rounded(points) + 2 * Arena::rounded(samples * sizeof(float)) +
+         Arena::rounded(samples * sizeof(std::int32_t));
+}
+
 Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon, const ClusteringSettings& settings,
                                    Arena& arena, const StageProgress& progress) {
   const ArenaScope scope(arena);

@@ -1,6 +1,7 @@
 #pragma once
 /// Density and orientation clustering (thesis III-2.b).
 
+#include <cstddef>
 #include <cstdint>
 
 #include "slicer/cloud/cloud.hpp"
@@ -47,6 +48,9 @@ struct ClusteringResult : ClusteringCounts {
       0;  ///< standard deviation of points off the sheet of their neighbours, from the median; unit of the cloud
 };
 
+/// Arena bytes that cluster() takes.
+std::size_t clustering_bytes(std::uint32_t points);
+
 /// Sorts every point into entering, exiting, neutral or noise, and sets its support radius.
 ///
 /// Distance of two points: |p_i - p_j| / <n_i, n_j>, infinite if the inner product is not positive. A point is core if
@@ -60,6 +64,7 @@ struct ClusteringResult : ClusteringCounts {
 ///
 /// @param cloud    in the order of `tree`; normal[].point_class and radius[] are set
 /// @param progress  called from the caller's thread only
+/// @param arena  clustering_bytes() from the top, released on return
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon,
                                                  const ClusteringSettings& settings, Arena& arena,

@@ -264,6 +264,18 @@ TEST(Clustering, WidensTheSupportsOfACoarseScanByItsNoiseAndNotByItsCurvature) {
   EXPECT_GT(support_points_of_a_coarse_sphere(0.15), 2 * ClusteringSettings{}.min_support);
 }
 
+TEST(Clustering, TakesNoMoreThanItsPlan) {
+  for (const std::uint32_t points : {500U, 20000U}) {
+    ArenaBlock arena(8 * kMiB);
+    Cloud cloud = cloud_of(sphere(points, 3, {5, 5, 5}), *arena);
+    const KdTree3 tree = sort_by_tree(cloud, *arena);
+    const std::size_t used = arena->used();
+    arena->reset_peak();
+    value_of(cluster(cloud, tree, 0.5F, {}, *arena));
+    EXPECT_LE(arena->peak() - used, clustering_bytes(points));
+  }
+}
+
 TEST(Clustering, ReportsAFullArenaAndReleasesWhatItTook) {
   Random random(35);
   const Surface surface = sheet({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.2, 0.2, random);
