@@ -43,15 +43,20 @@ bool drop_capabilities() {
 }
 
 #if defined(PLUMBLINE_HAS_SANITIZER) && defined(__clang__)
-/// clang's OpenMP run time registers itself in shared memory after a fork, and aborts where it can't.
+constexpr std::array kOpenMpFolders = {"/dev/shm", "/usr/lib"};
+
+/// clang's OpenMP run time registers itself in shared memory after a fork, and aborts where it can't. Then it loads a library that
+/// tells ThreadSanitizer what its threads wait for.
 bool allow_openmp(int rules, std::uint64_t rights) {
-  landlock_path_beneath_attr shared{};
-  shared.allowed_access = rights;
-  shared.parent_fd = ::open("/dev/shm", O_PATH | O_CLOEXEC);
-  if (shared.parent_fd < 0) return true;
-  const bool added = ::syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &shared, 0) == 0;
-  ::close(shared.parent_fd);
-  return added;
+  return std::all_of(kOpenMpFolders.begin(), kOpenMpFolders.end(), [&](const char* folder) {
+    landlock_path_beneath_attr shared{};
+    shared.allowed_access = rights;
+    shared.parent_fd = ::open(folder, O_PATH | O_CLOEXEC);
+    if (shared.parent_fd < 0) return true;
+    const bool added = ::syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &shared, 0) == 0;
+    ::close(shared.parent_fd);
+    return added;
+  });
 }
 #else
 bool allow_openmp(int /*rules*/, std::uint64_t /*rights*/) { return true; }
