@@ -35,7 +35,7 @@ void write_scan(JsonWriter& json, const JobReport& report) {
   json.end_object();
 }
 
-void write_grid(JsonWriter& json, const Placement& placement) {
+void write_grid(JsonWriter& json, const Placement& placement, Units units) {
   const PrintGrid& grid = placement.grid;
   json.key("grid");
   json.begin_object();
@@ -46,7 +46,7 @@ void write_grid(JsonWriter& json, const Placement& placement) {
   json.row(std::array{grid.pitch_x_mm, grid.pitch_y_mm});
   json.member("layer_height_mm", grid.layer_height_mm);
   json.key("origin_mm");
-  json.row(placement.origin_in_scan());
+  json.row(Vec3d(millimetres_per(units) * placement.origin_in_scan()));
   json.end_object();
   json.key("transform");
   json.begin_array();
@@ -337,7 +337,7 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   json.member("guessed", slice.units_guessed);
   json.end_object();
   json.member("scale_mm_per_unit", slice.placement.scale);
-  write_grid(json, slice.placement);
+  write_grid(json, slice.placement, slice.units);
   json.key("underside");
   json.begin_object(kOneLine);
   json.member("base", to_string(report.base));

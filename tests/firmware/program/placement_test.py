@@ -17,6 +17,13 @@ class Placement(Program):
         for found, wanted in zip([row[3] for row in matrix[:3]], (20.15, 15, 9)):
             self.assertAlmostEqual(found, wanted, delta=0.02)
 
+    def test_origin_is_in_mm_whatever_the_unit(self):
+        self.slice_it("--no-preview")
+        in_mm = self.manifest()["grid"]["origin_mm"]
+        self.slice_it("--units", "cm", "--scale", 0.1, "--no-preview")
+        for ten_times, origin in zip(self.manifest()["grid"]["origin_mm"], in_mm):
+            self.assertAlmostEqual(ten_times, 10 * origin, places=4)
+
     def test_base_is_what_was_asked_for(self):
         for kind, flat in (("none", False), ("flat", True)):
             self.slice_it("--base", kind, "--no-preview")
