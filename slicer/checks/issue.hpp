@@ -52,7 +52,7 @@ inline constexpr std::array<IssueWords, kIssueKindCount> kIssueWords = {{
      "make it lower, or turn it"},
     {"first_layer_area", "small first layer", "small first layers", IssueSize::kArea,
      "the plate may lose the part: turn it, or add supports"},
-    {"peel_area", "large layer", "large layers", IssueSize::kArea, "lift more slowly, or turn the object"},
+    {"peel_area", "large peel area", "large peel areas", IssueSize::kArea, "lift more slowly, or turn the object"},
     {"peel_jump", "jump in area", "jumps in area", IssueSize::kArea, "turn the object so that its area grows slowly"},
 }};
 constexpr const IssueWords& words_of(IssueKind kind) { return kIssueWords[static_cast<std::size_t>(kind)]; }
