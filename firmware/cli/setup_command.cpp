@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "firmware/cli/doctor.hpp"
+#include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/settings/settings_file.hpp"
