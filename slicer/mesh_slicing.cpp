@@ -234,7 +234,8 @@ Expected<std::optional<MeshSurvey>> survey_mesh(MeshFiles& files, const SliceSet
   PLUMBLINE_TRY(files.keep_all(arena));
   const auto most_vertices = *hint == MeshHint::kTriangles ? std::optional<std::uint64_t>(0) : std::nullopt;
   const auto found = survey_files(files, settings, most_vertices, arena, progress, report);
-  // A scan has room for any number of points. Whatever else is wrong with faces must not turn a mesh into points unseen.
+  // What a mesh has no room for may fit as points, which are thinned. With any other error in its faces, a mesh must not become
+  // points without a word.
   if (!found && (sure || found.error().code() != ErrorCode::kOutOfMemory)) return tl::unexpected<Error>(found.error());
   if (found && sure && found->triangles == 0) return fail_empty(files, *report.mesh);
   if (found && (sure || found->is_object())) return std::optional<MeshSurvey>(*found);

@@ -25,10 +25,9 @@ constexpr const char* kOrientFooter =
     "  plumbline slice bust.ply -o out --rotate-x 25 --rotate-y -10   use one of them\n"
     "  plumbline slice bust.ply -o out --orient auto                  use the first\n"
     "\n"
-    "Output: how the scan lies now and the best four orientations, each with the area that needs supports, the space\n"
-    "below it, the area of the largest layer (which must be peeled off the film), the height, and the area of scars "
-    "that\n"
-    "supports leave, counted more where the scanner saw the surface better. Units are mm.\n";
+    "Output: how the scan lies now and the best four orientations. For each: the area that needs supports, the space\n"
+    "below it, the area of the largest layer (which must be peeled off the film), the height, and the area of the\n"
+    "scars that supports leave, counted more where the scanner saw the surface better. Units are mm.\n";
 
 using Line = FixedText<200>;
 
