@@ -55,14 +55,18 @@ bool WindingTree::set_base(float height, float step, bool always) {
 
 float WindingTree::number(const Vec3f& x, float share) const {
   if (x[2] < base()) return 0;
-  float w = 0;
-  const auto add = [&](const Vec3f& place, const Vec3f& dipole, float softening) {
-    const Vec3f e = place - x;
-    const float softened = e.dot(e) + softening;
-    w += dipole.dot(e) / (softened * std::sqrt(softened));
+  const auto sum = [&](const Vec3f& from) {
+    float w = 0;
+    const auto add = [&](const Vec3f& place, const Vec3f& dipole, float softening) {
+      const Vec3f e = place - from;
+      const float softened = e.dot(e) + softening;
+      w += dipole.dot(e) / (softened * std::sqrt(softened));
+    };
+    walk(from, add, share);
+    return w;
   };
-  for_each_dipole(x, add, share);
-  return w;
+  // The mirrored surface seen from x is the surface seen from the mirror image of x: nothing is mirrored for each dipole.
+  return has_base_ ? sum(x) + sum(mirrored(x)) : sum(x);
 }
 
 bool WindingTree::inside(const Vec3f& x, float winding) const {
