@@ -116,8 +116,7 @@ class Service(Program):
     def child_of(self, daemon):
         """The process that reads the daemon's scan: a child of its template."""
         def children(pid):
-            found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True, check=False)
-            return map(int, found.stdout.split())
+            return map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text().split())
 
         end = time.monotonic() + 60
         while time.monotonic() < end:
