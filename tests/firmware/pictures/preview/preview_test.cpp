@@ -6,39 +6,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "firmware/pictures/preview/preview_font.hpp"
+#include "tests/slicer/support/solid.hpp"
 
 namespace plumbline {
 namespace {
 
-using Inside = std::function<bool(double x, double y, double z)>;
-
-/// The R-Rep of a formula, by definition: it toggles the pixels that differ from the layer below.
-struct Solid {
-  Solid(const PrintGrid& grid, const Inside& inside) {
-    std::vector<bool> before(std::size_t{grid.columns} * grid.rows);
-    for (std::uint32_t k = 0; k < grid.layers; ++k) {
-      first.push_back(static_cast<std::uint32_t>(pixel.size()));
-      for (std::uint32_t p = 0; p < before.size(); ++p) {
-        const double x = (p % grid.columns + 0.5) * double{grid.pitch_x_mm};
-        const std::uint32_t row = p / grid.columns;
-        const double y = (row + 0.5) * double{grid.pitch_y_mm};
-        const bool now = inside(x, y, (k + 0.5) * double{grid.layer_height_mm});
-        if (now != before[p]) pixel.push_back(p);
-        before[p] = now;
-      }
-    }
-    first.push_back(static_cast<std::uint32_t>(pixel.size()));
-    rrep = {grid, first, pixel};
-  }
-  std::vector<std::uint32_t> first, pixel;
-  RRep rrep;
-};
+using namespace testing;
 
 struct Drawing {
   explicit Drawing(const RRep& rrep, const PreviewText& text = {}, const Supports& supports = {})
@@ -78,21 +56,11 @@ std::vector<Stretch> runs(const Drawing& drawing, const Drawing& empty, std::uin
   return found;
 }
 
-Inside nothing() {
-  return [](double, double, double) { return false; };
-}
-Inside sphere(double centre, double radius) {
-  return [=](double x, double y, double z) {
-    return (x - centre) * (x - centre) + (y - centre) * (y - centre) + (z - centre) * (z - centre) < radius * radius;
-  };
-}
-PrintGrid cube(std::uint32_t side, float pitch) { return {side, side, side, pitch, pitch, pitch}; }
-
 // Below the title and the scale, above the captions.
 constexpr std::uint32_t kFirstRow = 125, kLastRow = 730;
 
 TEST(Preview, ShowsASphereAsThreeEqualDiscs) {
-  const Solid solid(cube(220, 0.1F), sphere(11, 10)), air(cube(220, 0.1F), nothing());
+  const Solid solid(cubic_grid(220, 220), ball(110, 110, 110, 100)), air(cubic_grid(220, 220), blocks({}));
   const Drawing drawing(solid.rrep), empty(air.rrep);
   ASSERT_TRUE(drawing.status.has_value());
   double area = 0;
@@ -120,7 +88,7 @@ TEST(Preview, ShowsASphereAsThreeEqualDiscs) {
 }
 
 TEST(Preview, LightsASphereFromTheUpperLeft) {
-  const Solid solid(cube(220, 0.1F), sphere(11, 10)), air(cube(220, 0.1F), nothing());
+  const Solid solid(cubic_grid(220, 220), ball(110, 110, 110, 100)), air(cubic_grid(220, 220), blocks({}));
   const Drawing drawing(solid.rrep), empty(air.rrep);
   const auto middle = runs(drawing, empty, 430);
   ASSERT_EQ(middle.size(), 3U);
@@ -136,12 +104,8 @@ TEST(Preview, LightsASphereFromTheUpperLeft) {
 TEST(Preview, ShowsTheNearSideUnmirrored) {
   // A wall 12 x 8 x 16 mm with a block on its near, left, upper corner: x small, y small, z large.
   const PrintGrid grid{160, 120, 200, 0.1F, 0.1F, 0.1F};
-  const Solid solid(grid, [](double x, double y, double z) {
-    const bool wall = x > 2 && x < 14 && y > 6 && y < 10 && z < 12;
-    const bool block = x > 2 && x < 5 && y > 2 && y < 10 && z < 16 && z > 8;
-    return wall || block;
-  });
-  const Solid air(grid, nothing());
+  const Solid solid(grid, blocks({{20, 140, 60, 100, 0, 120}, {20, 50, 20, 100, 80, 160}}));
+  const Solid air(grid, blocks({}));
   const Drawing drawing(solid.rrep), empty(air.rrep);
   // The uppermost row of the front and the side view holds the block alone.
   for (std::uint32_t row = kFirstRow; row < kLastRow; ++row) {
@@ -160,11 +124,11 @@ TEST(Preview, ShowsTheNearSideUnmirrored) {
 
 TEST(Preview, ShowsAHoleFromAbove) {
   const PrintGrid grid{200, 200, 20, 0.1F, 0.1F, 0.1F};
-  const Solid solid(grid, [](double x, double y, double z) {
-    const double r = std::hypot(x - 10, y - 10);
-    return z < 1.5 && r < 9 && r > 4;
+  const Solid solid(grid, [](std::uint32_t column, std::uint32_t row, std::uint32_t layer) {
+    const double radius = std::hypot(column + 0.5 - 100, row + 0.5 - 100);
+    return layer < 15 && radius < 90 && radius > 40;
   });
-  const Solid air(grid, nothing());
+  const Solid air(grid, blocks({}));
   const Drawing drawing(solid.rrep), empty(air.rrep);
   std::uint32_t row = kFirstRow;
   std::vector<Stretch> at_hole;
@@ -181,7 +145,10 @@ TEST(Preview, ShowsAHoleFromAbove) {
 
 TEST(Preview, KeepsTheShapeIfPixelsAreNotSquare) {
   const PrintGrid grid{440, 110, 88, 0.05F, 0.2F, 0.25F};
-  const Solid solid(grid, sphere(11, 10)), air(grid, nothing());
+  const Solid solid(grid, [](std::uint32_t column, std::uint32_t row, std::uint32_t layer) {
+    return std::hypot((column + 0.5) * 0.05 - 11, (row + 0.5) * 0.2 - 11, (layer + 0.5) * 0.25 - 11) < 10;
+  });
+  const Solid air(grid, blocks({}));
   const Drawing drawing(solid.rrep), empty(air.rrep);
   const auto middle = runs(drawing, empty, 430);
   ASSERT_EQ(middle.size(), 3U);
@@ -193,8 +160,8 @@ TEST(Preview, DrawsObjectsOfAnyShapeInsideThePage) {
   for (const PrintGrid& grid : {PrintGrid{4, 3, 2000, 0.1F, 0.1F, 0.1F}, PrintGrid{3000, 3, 2, 0.1F, 0.1F, 0.1F},
                                 PrintGrid{3, 3000, 2, 0.1F, 0.1F, 0.1F}, PrintGrid{1, 1, 1, 0.05F, 0.05F, 0.05F},
                                 PrintGrid{5000, 10, 1, 0.01F, 0.01F, 0.01F}}) {
-    const Solid full(grid, [](double, double, double) { return true; });  // still solid at the top of the last layer
-    const Solid air(grid, nothing());
+    const Solid full(grid, blocks({{0, grid.columns, 0, grid.rows, 0, grid.layers}}));  // to the top of the last layer
+    const Solid air(grid, blocks({}));
     const Drawing drawing(full.rrep), empty(air.rrep);
     ASSERT_TRUE(drawing.status.has_value());
     EXPECT_NE(drawing.rgb, empty.rgb);
@@ -207,7 +174,7 @@ TEST(Preview, DrawsObjectsOfAnyShapeInsideThePage) {
 
 /// A sphere above the plate, held by one pillar under its lowest point.
 struct SphereOnAPillar {
-  SphereOnAPillar() : solid(cube(220, 0.1F), [](double x, double y, double z) { return sphere(11, 6)(x, y, z); }) {
+  SphereOnAPillar() : solid(cubic_grid(220, 220), ball(110, 110, 110, 60)) {
     supports = {list, PixelPitch(solid.rrep.grid)};
   }
   Solid solid;
@@ -232,7 +199,7 @@ struct SphereOnAPillar {
 
 TEST(Preview, ShowsSupportsInAnotherColour) {
   const SphereOnAPillar scene;
-  const Solid air(cube(220, 0.1F), nothing());
+  const Solid air(cubic_grid(220, 220), blocks({}));
   const Drawing drawing(scene.solid.rrep, {}, scene.supports), empty(air.rrep);
   ASSERT_TRUE(drawing.status.has_value());
   std::size_t blue = 0, cream = 0;
@@ -270,14 +237,14 @@ TEST(Preview, WritesTheSizeThatItIsGivenUpperRight) {
 }
 
 TEST(Preview, TakesThePlannedMemoryAndReturnsIt) {
-  const Solid solid(cube(100, 0.2F), sphere(10, 9));
+  const Solid solid(cubic_grid(100, 100, 0.2F), ball(50, 50, 50, 45));
   const Drawing drawing(solid.rrep);
   EXPECT_EQ(drawing.peak, preview_bytes(solid.rrep.grid));
   EXPECT_EQ(drawing.left, 0U);
 }
 
 TEST(Preview, ReportsAnArenaThatIsTooSmall) {
-  const Solid solid(cube(100, 0.2F), sphere(10, 9));
+  const Solid solid(cubic_grid(100, 100, 0.2F), ball(50, 50, 50, 45));
   std::vector<std::byte> memory(preview_bytes(solid.rrep.grid) / 2);
   std::vector<std::uint8_t> rgb(std::size_t{3} * kPreviewColumns * kPreviewRows);
   Arena arena(memory);
@@ -288,7 +255,7 @@ TEST(Preview, ReportsAnArenaThatIsTooSmall) {
 }
 
 TEST(Preview, EncodesTheSamePixelsAsPng) {
-  const Solid solid(cube(100, 0.2F), sphere(10, 9));
+  const Solid solid(cubic_grid(100, 100, 0.2F), ball(50, 50, 50, 45));
   const std::string_view captions[] = {"one line", "and another"};
   const PreviewText text{"sphere.ply", "24.0 x 24.0 x 24.0 mm", captions};
   const Drawing drawing(solid.rrep, text);
@@ -310,7 +277,7 @@ TEST(Preview, EncodesTheSamePixelsAsPng) {
 }
 
 TEST(Preview, CutsTextThatIsLongerThanThePage) {
-  const Solid solid(cube(20, 0.2F), sphere(2, 1.8));
+  const Solid solid(cubic_grid(20, 20, 0.2F), ball(10, 10, 10, 9));
   const std::string long_text(5000, 'W');
   const std::string_view captions[] = {long_text, long_text, long_text, long_text};
   const Drawing drawing(solid.rrep, {long_text, {}, captions}), plain(solid.rrep);
