@@ -102,7 +102,9 @@ void CrossingStore::for_each_row(const RowRoom& room, Visit visit) {
   for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
     const std::uint32_t* directory = &directory_[std::size_t{tile_row} * tile_columns_];
     for (std::uint32_t t = 0; t < tile_columns_; ++t) {
-      room.reads[t] = room.writes[t] = directory[t] == kEmpty ? nullptr : &data_[directory[t] + kRaysPerTile / 2];
+      // The end of data_ if the last tile has no crossings.
+      room.reads[t] = room.writes[t] =
+          directory[t] == kEmpty ? nullptr : data_.data() + directory[t] + kRaysPerTile / 2;
     }
     for (std::uint32_t r = 0; r < kTileSide && tile_row * kTileSide + r < grid_.rows; ++r) {
       for (std::uint32_t c = 0; c < grid_.columns; ++c) {
