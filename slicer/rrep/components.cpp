@@ -22,8 +22,11 @@ struct Ray {
   std::span<const std::uint16_t> crossings;
   std::uint32_t first = 0;
 
-  std::uint32_t inner() const { return numbered(static_cast<std::uint32_t>(crossings.size())); }
-  static std::uint32_t numbered(std::uint32_t count) { return count == 0 ? 0 : count - (count % 2 == 0 ? 1 : 0); }
+  /// Inner intervals.
+  std::uint32_t inner() const {
+    const auto count = static_cast<std::uint32_t>(crossings.size());
+    return count == 0 ? 0 : count - (count % 2 == 0 ? 1 : 0);
+  }
   std::uint32_t number(std::uint32_t interval) const {
     return interval == 0 || interval > inner() ? kOutside : first + interval - 1;
   }
@@ -35,11 +38,11 @@ struct Ray {
 
 /// A component: a set of intervals that are joined. The one of kOutside is the outside.
 struct Component {
-  std::uint64_t voxels : 61;
-  std::uint64_t at_plate : 1;     ///< some of it begins on the plate
-  std::uint64_t below_plate : 1;  ///< some of it begins below the plate
-  std::uint64_t goes : 1;         ///< it is removed or filled
-  bool stands() const { return at_plate != 0 && below_plate == 0; }
+  std::uint64_t voxels = 0;
+  std::uint32_t encloser = kOutside;  ///< number of the component around it
+  std::uint16_t low = 0;              ///< the layer that it begins at
+  bool solid = false;
+  bool goes = false;  ///< it is removed or filled
 };
 
 /// Room for components when memory is planned: one for so many intervals. Scans have one for thousands, pure noise one for a few.
@@ -70,79 +73,15 @@ std::uint32_t number_components(std::span<std::uint32_t> parent) {
   return count;
 }
 
-/// The inner intervals of all rays, with the components that they belong to.
-class Search {
- public:
-  Search(CrossingStore& store, const CrossingStore::RowRoom& room, std::span<const std::uint32_t> component,
-         std::span<Component> components)
-      : store_(store), room_(room), component_(component), components_(components) {
-    std::fill(components_.begin(), components_.end(), Component{});
-  }
-
-  std::uint32_t of(std::uint32_t interval) const { return component_[interval]; }
-  Component& operator[](std::uint32_t component) const { return components_[component]; }
-
-  /// Calls visit(ray, s) for each inner interval s of each ray.
-  template <class Visit>
-  void for_each(Visit visit) const {
-    std::uint32_t first = 1;
-    store_.for_each_row(room_, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
-      for (const auto& ref : row) {
-        const Ray ray{ref.crossings(), first};
-        first += ray.inner();
-        for (std::uint32_t s = 1; s <= ray.inner(); ++s) visit(ray, s);
-      }
-    });
-  }
-  /// Calls visit(component, solid, encloser) for each component, in order of their numbers.
-  template <class Visit>
-  void for_each_component(Visit visit) const {
-    std::uint32_t next = kOutside + 1;
-    for_each([&](const Ray& ray, std::uint32_t s) {
-      const std::uint32_t component = of(ray.number(s));
-      if (component != next) return;
-      // The interval below a component's first one belongs to the component that encloses it.
-      visit(component, s % 2 == 1, of(ray.number(s - 1)));
-      ++next;
-    });
-  }
-
- private:
-  CrossingStore& store_;
-  const CrossingStore::RowRoom& room_;
-  std::span<const std::uint32_t> component_;  ///< by interval
-  std::span<Component> components_;
-};
-
-/// Decides which components are removed or filled.
-struct Sieve {
-  const Search& search;
-  std::uint64_t min_voxels;  ///< voxels: smaller components are removed or filled
-  std::uint64_t floating_voxels =
-      0;  ///< voxels: a solid with fewer must stand on the plate, a cavity with fewer is filled
-  std::uint32_t largest_solid = kOutside;
-  bool is_small(std::uint32_t c) const { return c != largest_solid && search[c].voxels < min_voxels; }
-  bool floats(std::uint32_t c, bool solid) const {
-    return solid && c != largest_solid && !search[c].stands() && search[c].voxels < floating_voxels;
-  }
-  bool is_sealed(std::uint32_t c, bool solid) const { return !solid && search[c].voxels < floating_voxels; }
-  bool goes(std::uint32_t c, bool solid) const { return is_small(c) || floats(c, solid) || is_sealed(c, solid); }
-};
-
-/// Marks the solids that begin within `layers` of the plate, which is where the largest one begins.
-void mark_plate(const Search& search, std::uint32_t largest, std::uint32_t layers) {
-  std::uint32_t plate = std::numeric_limits<std::uint32_t>::max();
-  search.for_each([&](const Ray& ray, std::uint32_t s) {
-    if (search.of(ray.number(s)) == largest) plate = std::min(plate, ray.low(s));
-  });
-  search.for_each([&](const Ray& ray, std::uint32_t s) {
-    const std::uint32_t low = ray.low(s);
-    if (s % 2 == 0 || low > plate + layers) return;
-    Component& component = search[search.of(ray.number(s))];
-    if (low + layers < plate) {  // clang 14 can't assign to one of two bit-fields by ?:
-      component.below_plate = 1;
-    } else {
-      component.at_plate = 1;
+/// Calls visit(ref, ray) for each ray, in the order of the intervals' numbers.
+template <class Visit>
+void for_each_ray(CrossingStore& store, const CrossingStore::RowRoom& room, Visit visit) {
+  std::uint32_t next = 1;
+  store.for_each_row(room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+    for (auto& ref : row) {
+      const Ray ray{ref.crossings(), next};
+      next += ray.inner();
+      visit(ref, ray);
     }
   });
 }
@@ -151,8 +90,7 @@ void mark_plate(const Search& search, std::uint32_t largest, std::uint32_t layer
 
 std::size_t components_bytes(const PrintGrid& grid, double rays, double crossings) {
   // A ray with c crossings has c - 1 inner intervals. Then rows of the visitor and of the search.
-  constexpr std::size_t kMostStretches = std::numeric_limits<std::size_t>::max() / 64;  // in 32 bits, too
-  constexpr auto kMost = static_cast<double>(kMostStretches);
+  constexpr auto kMost = static_cast<double>(std::numeric_limits<std::size_t>::max() / 64);  // in 32 bits, too
   const auto intervals = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, kMost)) + 1;
   return sizeof(std::uint32_t) * intervals + sizeof(Component) * (intervals / kIntervalsPerComponent + 2) +
          grid.columns * 2 * sizeof(Ray) + CrossingStore::row_room_bytes(grid);
@@ -166,9 +104,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   const auto room = store.take_row_room(arena);
   if (!room) return counts;
   std::size_t interval_count = 1;  // fewer than the crossings, which are in memory
-  store.for_each_row(*room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
-    for (const auto& ray : row) interval_count += Ray::numbered(ray.count());
-  });
+  for_each_ray(store, *room, [&](const auto&, const Ray& ray) { interval_count += ray.inner(); });
   auto parent = arena.take_top<std::uint32_t>(interval_count, kStage);
   auto rows = arena.take_top<Ray>(2 * std::size_t{grid.columns}, kStage);
   if (!parent || !rows) return counts;
@@ -192,48 +128,53 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   const auto components = arena.take_top<Component>(number_components(*parent), kStage);
   if (!components) return counts;
   counts.counted = true;
-  const Search search(store, *room, *parent, *components);
-  search.for_each([&](const Ray& ray, std::uint32_t s) {
-    search[search.of(ray.number(s))].voxels += ray.high(s, grid.layers) - ray.low(s);
+  std::fill(components->begin(), components->end(), Component{});
+  const auto component_of = [&](const Ray& ray, std::uint32_t s) -> Component& {
+    return (*components)[(*parent)[ray.number(s)]];
+  };
+  for_each_ray(store, *room, [&](const auto&, const Ray& ray) {
+    for (std::uint32_t s = 1; s <= ray.inner(); ++s) {
+      Component& c = component_of(ray, s);
+      const auto low = static_cast<std::uint16_t>(ray.low(s));
+      // The interval below a component's first one belongs to the component around it.
+      if (c.voxels == 0) c = {0, (*parent)[ray.number(s - 1)], low, s % 2 == 1};
+      c.voxels += ray.high(s, grid.layers) - low;
+      c.low = std::min(c.low, low);
+    }
   });
-  Sieve sieve{search, limits.min_voxels};
-  search.for_each_component([&](std::uint32_t c, bool solid, std::uint32_t) {
-    const bool larger = sieve.largest_solid == kOutside || search[c].voxels > search[sieve.largest_solid].voxels;
-    if (solid && larger) sieve.largest_solid = c;
-  });
-  if (limits.drop_floating && sieve.largest_solid != kOutside) {
-    sieve.floating_voxels = search[sieve.largest_solid].voxels / kSmallShare;
-    mark_plate(search, sieve.largest_solid, limits.plate_layers);
+  const auto inner = components->subspan(1);
+  const Component* largest = nullptr;  // solid
+  for (const Component& c : inner) {
+    if (c.solid && (largest == nullptr || c.voxels > largest->voxels)) largest = &c;
   }
+  const std::uint64_t floating_voxels =
+      limits.drop_floating && largest != nullptr ? largest->voxels / kSmallShare : std::uint64_t{0};
+  const auto is_small = [&](const Component& c) { return &c != largest && c.voxels < limits.min_voxels; };
+  const auto stands = [&](const Component& c) {
+    return c.solid && c.low <= largest->low + limits.plate_layers && largest->low <= c.low + limits.plate_layers;
+  };
   // Numbers ascend, so an enclosing component is decided before those inside it.
-  search.for_each_component([&](std::uint32_t c, bool solid, std::uint32_t encloser) {
-    const std::uint64_t voxels = search[c].voxels;
-    const bool merges = search[encloser].goes != 0;  // with the encloser, which then becomes the same kind
-    const bool goes = !merges && sieve.goes(c, solid);
-    if (goes) counts.changed_voxels += voxels;
-    if (goes && solid) counts.dropped_voxels += voxels;
-    if (goes && !sieve.is_small(c)) ++(solid ? counts.floating_solids : counts.sealed_cavities);
-    if (!goes && solid) counts.voxels += voxels;
-    if (!merges)
-      ++(solid ? (goes ? counts.dropped_solids : counts.solids) : (goes ? counts.filled_cavities : counts.cavities));
-    search[c].goes = goes ? 1 : 0;
-  });
+  for (Component& c : inner) {
+    const bool merges = (*components)[c.encloser].goes;  // with the encloser, which then becomes the same kind
+    c.goes = !merges && (is_small(c) || (c.voxels < floating_voxels && !stands(c)));
+    if (c.goes) counts.changed_voxels += c.voxels;
+    if (c.goes && c.solid) counts.dropped_voxels += c.voxels;
+    if (c.goes && !is_small(c)) ++(c.solid ? counts.floating_solids : counts.sealed_cavities);
+    if (!c.goes && c.solid) counts.voxels += c.voxels;
+    if (merges) continue;
+    if (c.goes) ++(c.solid ? counts.dropped_solids : counts.filled_cavities);
+    if (!c.goes) ++(c.solid ? counts.solids : counts.cavities);
+  }
   if (counts.dropped_solids + counts.filled_cavities == 0) return counts;
 
-  std::uint32_t number = 1;
-  store.for_each_row(*room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
-    for (auto& ray : row) {
-      const Ray old{ray.crossings(), number};
-      const auto count = static_cast<std::uint32_t>(old.crossings.size());
-      number += old.inner();
-      // A crossing stays if the intervals on both sides of it still differ once components have changed.
-      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != (search[search.of(old.number(s))].goes != 0); };
-      ray.begin_rewrite();
-      for (std::uint32_t s = 0; s < count; ++s) {
-        if (solid(s) != solid(s + 1)) ray.keep(old.crossings[s]);
-      }
-      ray.end_rewrite();
+  for_each_ray(store, *room, [&](CrossingStore::RayRef& ref, const Ray& ray) {
+    // A crossing stays if the intervals on both sides of it still differ once components have changed.
+    const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != component_of(ray, s).goes; };
+    ref.begin_rewrite();
+    for (std::uint32_t s = 0; s < ray.crossings.size(); ++s) {
+      if (solid(s) != solid(s + 1)) ref.keep(ray.crossings[s]);
     }
+    ref.end_rewrite();
   });
   return counts;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 
 namespace plumbline {
 namespace {
@@ -12,7 +13,6 @@ constexpr std::uint8_t bit_of(Evidence evidence) {
   return static_cast<std::uint8_t>(1U << static_cast<std::uint32_t>(evidence));
 }
 
-/// @param bits  not 0
 Evidence strongest(std::uint8_t bits) {
   for (const Evidence evidence : {Evidence::kMeasured, Evidence::kBase}) {
     if ((bits & bit_of(evidence)) != 0) return evidence;
@@ -126,11 +126,10 @@ std::array<double, kEvidenceCount> ConfidenceMap::surface() const {
       }
     }
   }
-  constexpr auto kFlat = static_cast<std::size_t>(Evidence::kBase);
   const double pixel = static_cast<double>(grid_.pitch_x_mm) * static_cast<double>(grid_.pitch_y_mm);
-  area[kFlat] = static_cast<double>(crossings()[kFlat]) * pixel;
-  double all = 0;
-  for (const double a : area) all += a;
+  const auto flat = static_cast<std::size_t>(Evidence::kBase);
+  area[flat] = static_cast<double>(crossings()[flat]) * pixel;
+  const double all = std::accumulate(area.begin(), area.end(), 0.0);
   for (double& a : area) a = all > 0 ? a / all : 0;
   return area;
 }
@@ -147,8 +146,7 @@ Evidence ConfidenceMap::evidence_at(const Cell& cell) const {
   }
   // Within a cell of the scan the surface was seen, even where a grazing ray needed other evidence.
   if ((bits & bit_of(Evidence::kMeasured)) != 0) return Evidence::kMeasured;
-  if (own != 0) return strongest(own);
-  return bits == 0 ? Evidence::kWinding : strongest(bits);
+  return strongest(own != 0 ? own : bits);
 }
 
 Evidence ConfidenceMap::at(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const {

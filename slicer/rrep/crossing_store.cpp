@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "slicer/core/numbers/mib.hpp"
+
 namespace plumbline {
 
 std::uint32_t layer_of(float depth, const PrintGrid& grid) {
@@ -34,7 +36,7 @@ Status CrossingStore::put(std::uint32_t tile, std::span<const std::uint8_t> coun
         ErrorCode::kOutOfMemory,
         "R-Rep: the crossings of the rays need more than the %.1f MiB that the arena has left for them.\tUse a larger "
         "arena, a coarser grid or a smaller object",
-        static_cast<double>(data_.size_bytes()) / (1024.0 * 1024.0));
+        mib(data_.size_bytes()));
   }
   std::memcpy(&data_[at], counts.data(), kRaysPerTile);
   std::copy(layers.begin(), layers.end(), data_.begin() + at + kRaysPerTile / 2);

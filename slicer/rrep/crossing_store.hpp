@@ -41,7 +41,6 @@ class CrossingStore {
   /// The crossings of one ray. They may be rewritten, but not become more.
   class RayRef {
    public:
-    std::uint32_t count() const { return *count_; }
     std::span<const std::uint16_t> crossings() const { return {read_, *count_}; }
     void begin_rewrite() { kept_ = 0; }
     void keep(std::uint16_t layer) { (*write_)[kept_++] = layer; }
