@@ -36,46 +36,35 @@ struct Half {
     Vec3f normal;
     float h;  ///< present support radius, mm
   };
-  /// A point whose support may contain the place.
-  struct Near {
-    float distance2;  ///< to the place, mm2
-    std::uint32_t index;
-  };
   std::span<Point> points;
-  std::span<Near> nearby;
-  RayPoints columns;
   std::uint32_t size = 0;
-  std::uint32_t near_size = 0;
-  Vec3f place = Vec3f::Zero();
+  RayPoints columns;                  ///< those whose supports may contain the place
+  std::span<float> present_inverse2;  ///< 1 / h^2 of these, mm^-2
+  float most_h = 0;                   ///< mm
+  float depth = 0;                    ///< z of the place, mm
 
   /// Goes to a place, with support radii up to `growth` times the present.
   void go_to(const Vec3f& x, float growth) {
-    place = x;
-    near_size = 0;
-    for (std::uint32_t i = 0; i < size; ++i) {
-      const Vec3f d = x - points[i].position;
-      const float h = growth * points[i].h;
-      nearby[near_size] = {d.dot(d), i};
-      near_size += nearby[near_size].distance2 < h * h ? 1 : 0;
+    columns.size = 0;
+    most_h = 0;
+    depth = x[2];
+    for (const Point& p : points.first(size)) {
+      const Vec3f d = x - p.position;
+      if (d.dot(d) >= growth * growth * p.h * p.h) continue;
+      present_inverse2[columns.size] = 1 / (p.h * p.h);
+      columns.add(d[0], d[1], p.position[2], p.normal, 0);
+      most_h = std::max(most_h, p.h);
     }
+    columns.close();
   }
 
-  /// F at the place, mm, with support radii `growth` times the present: no more than before. Nothing if no point is within its
-  /// radius of the place.
+  /// F at the place, mm, with support radii `growth` times the present. Nothing if no point is within its radius of the place.
   std::optional<float> distance(float growth) {
-    columns.size = 0;
-    columns.reach = 0;
-    for (const Near& n : nearby.first(near_size)) {
-      const Point& p = points[n.index];
-      const float h = growth * p.h;
-      if (n.distance2 >= h * h) continue;
-      nearby[columns.size] = n;
-      columns.reach = std::max(columns.reach, h);
-      columns.add(place[0] - p.position[0], place[1] - p.position[1], p.position[2], p.normal, 1 / (h * h));
+    for (std::uint32_t j = 0; j < columns.size; ++j) {
+      columns.inverse_radius2[j] = present_inverse2[j] / (growth * growth);
     }
-    near_size = columns.size;
-    columns.close();
-    const MlsValue value = mls_value(columns, {0, columns.size}, place[2]);
+    columns.reach = growth * most_h;
+    const MlsValue value = mls_value(columns, {0, columns.size}, depth);
     if (!(value.weight > 0)) return std::nullopt;
     return value.distance;
   }
@@ -83,7 +72,7 @@ struct Half {
 
 /// The numbers of points that are tried for a support.
 struct Sizes {
-  explicit Sizes(float present_size, float least) : present(present_size), least_growth(std::sqrt(least / present)) {
+  Sizes(float present_size, float least) : present(present_size), least_growth(std::sqrt(least / present)) {
     for (float size = present; count < kMaxSizes && size <= kMaxPoints; size *= kStep) size_of[count++] = size;
   }
   float growth(std::size_t k) const { return std::sqrt(size_of[k] / present); }
@@ -94,21 +83,21 @@ struct Sizes {
   std::size_t count = 0;
 };
 
-/// Of each size, at one place; nothing if none of its samples has surface around it.
-using Risks = std::optional<std::array<double, kMaxSizes>>;
+/// Of each size, at one place; 0 if none of its samples has surface around it.
+using Risks = std::array<double, kMaxSizes>;
 
 /// Measures places, in one thread.
 class RiskMeter {
  public:
   static std::size_t bytes() {
-    return 2 * (Arena::rounded(kHalfCapacity * sizeof(Half::Point)) +
-                Arena::rounded((kHalfCapacity + 1) * sizeof(Half::Near)) + RayPoints::bytes_needed(kHalfCapacity));
+    return 2 * (Arena::rounded(kHalfCapacity * sizeof(Half::Point)) + Arena::rounded(kHalfCapacity * sizeof(float)) +
+                RayPoints::bytes_needed(kHalfCapacity));
   }
   static Expected<RiskMeter> create(const Cloud& cloud, const KdTree3& tree, const Sizes& sizes, Arena& arena) {
     RiskMeter meter(cloud, tree, sizes);
     for (Half& half : meter.halves_) {
       PLUMBLINE_TRY(arena.take_top(half.points, kHalfCapacity, kStage));
-      PLUMBLINE_TRY(arena.take_top(half.nearby, kHalfCapacity + 1, kStage));  // go_to() writes one past the last
+      PLUMBLINE_TRY(arena.take_top(half.present_inverse2, kHalfCapacity, kStage));
       const auto columns = RayPoints::create(kHalfCapacity, arena, kStage);
       PLUMBLINE_TRY(columns);
       half.columns = *columns;
@@ -133,9 +122,8 @@ class RiskMeter {
         bias2[k] += (a - least_a) * (b - least_b);
       }
     }
-    if (used == 0) return std::nullopt;
-    std::array<double, kMaxSizes> risk{};
-    for (std::size_t k = 0; k < sizes_->count; ++k) {
+    Risks risk{};
+    for (std::size_t k = 0; used > 0 && k < sizes_->count; ++k) {
       risk[k] = std::sqrt((variance[k] + std::max(0.0, bias2[k])) / used);
     }
     return risk;
@@ -170,9 +158,9 @@ class RiskMeter {
   /// @returns false if the least supports contain no point
   bool measure(const Vec3f& x) {
     for (std::size_t h = 0; h < halves_.size(); ++h) {
-      // From the widest supports to the narrowest, each with the points of the one before.
       halves_[h].go_to(x, sizes_->growth(sizes_->count - 1));
-      for (std::size_t k = sizes_->count; k-- > 0;) values_[k][h] = halves_[h].distance(sizes_->growth(k)).value_or(0);
+      for (std::size_t k = 0; k < sizes_->count; ++k)
+        values_[k][h] = halves_[h].distance(sizes_->growth(k)).value_or(0);
       const auto least = halves_[h].distance(sizes_->least_growth);
       if (!least) return false;
       least_[h] = *least;
@@ -203,14 +191,6 @@ class RiskMeter {
   std::array<double, 2> least_{};
 };
 
-/// The number of points to take for a support.
-float best_size(const Sizes& sizes, std::span<const double> risk) {
-  const double least = *std::min_element(risk.begin(), risk.end());
-  std::size_t k = 0;
-  while (risk[k] > kRiskTolerance * least) ++k;
-  return sizes.size_of[k];
-}
-
 }  // namespace
 
 std::size_t support_size_bytes(std::uint32_t threads) {
@@ -230,8 +210,7 @@ Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSetting
     PLUMBLINE_TRY(created);
     meter = *created;
   }
-  std::array<double, kMaxSizes> sum{};
-  bool any = false;
+  Risks sum{};
   for (std::uint32_t first = 0; first < kPlaces; first += kTogether) {
     if (!progress.advance(1.0 * first / kPlaces)) {
       return fail(ErrorCode::kCancelled, "cancelled while supports were sized");
@@ -243,12 +222,13 @@ Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSetting
     }
     // Always in the order of the places.
     for (const Risks& risk : risks) {
-      any |= risk.has_value();
-      for (std::size_t k = 0; risk && k < sizes.count; ++k) sum[k] += (*risk)[k];
+      for (std::size_t k = 0; k < sizes.count; ++k) sum[k] += risk[k];
     }
   }
-  if (!any) return {};
-  cloud.set_support_points(best_size(sizes, std::span(sum).first(sizes.count)));
+  const double least = *std::min_element(sum.begin(), sum.begin() + sizes.count);
+  std::size_t best = 0;
+  while (sum[best] > kRiskTolerance * least) ++best;
+  cloud.set_support_points(sizes.size_of[best]);
   return {};
 }
 
