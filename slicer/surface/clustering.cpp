@@ -19,8 +19,6 @@ constexpr const char* kStage = "clustering";
 
 /// Least number of points within epsilon that measure a density. With fewer, the distances of the nearest points do.
 constexpr std::int32_t kFewNeighbours = 8;
-/// Largest mean height of a point over its neighbours' planes, in epsilons, for a point on their sheet.
-constexpr float kMaxHeight = 0.2F;
 // Noise over epsilon, without curvature, between which supports grow from the least to the most points.
 constexpr float kCleanNoise = 0.02F;
 constexpr float kFullNoise = 0.096F;
@@ -29,8 +27,6 @@ constexpr float kFullNoise = 0.096F;
 /// have 0.6 to 1, a sphere of 150 points 0.43; random normals have 1/8 by the metric, normals fitted to random points
 /// 0.3.
 constexpr float kFacingShare = 0.4F;
-
-constexpr double kMeasured = 0.6;  ///< progress when all points are measured, 0 to 1
 
 /// Kept apart from the classes: a point's type must not change while others compare with it.
 enum Flag : std::uint8_t { kCore = 1, kDense = 2, kNoisePoint = 4, kSparse = 8 };
@@ -102,7 +98,7 @@ class Clusterer {
   Expected<ClusteringResult> run(Arena& arena, const StageProgress& progress) {
     PLUMBLINE_TRY(allocate(arena));
     for (PackedNormal& normal : cloud_.normal.first(cloud_.size)) normal.point_class = orientation_of(normal);
-    if (!measure(progress.part(0, kMeasured)) || !find_noise(progress.part(kMeasured, 1))) {
+    if (!measure(progress.part(0, 0.6)) || !find_noise(progress.part(0.6, 1))) {
       return fail(ErrorCode::kCancelled, "cancelled while clusters were found");
     }
     return finish();
@@ -147,7 +143,7 @@ class Clusterer {
     }
     if (c.near >= kFewNeighbours) {
       // A point beside a sheet is an outlier, such as a flying pixel, however many neighbours it has on the sheet.
-      const bool on_sheet = std::abs(c.offset) < kMaxHeight * epsilon_ * static_cast<float>(c.near);
+      const bool on_sheet = std::abs(c.offset) < kMostHeight * epsilon_ * static_cast<float>(c.near);
       if (settings_.sparse_radius > 0 && on_sheet) flags_[i] |= kSparse;
     } else if (const auto radius = sparse_surface_radius(cloud_, tree_, i, epsilon_, settings_)) {
       flags_[i] |= kSparse;

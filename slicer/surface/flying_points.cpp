@@ -7,18 +7,13 @@
 #include <span>
 
 #include "slicer/core/numbers/median.hpp"
+#include "slicer/surface/sparse_surface.hpp"
 #include "slicer/surface/stray_pieces.hpp"
 
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "flying points";
-
 constexpr std::uint32_t kSheet = 8;  ///< nearest points whose sheet a point must lie on
-/// Nearest points that a clump doesn't fill: a point beside a sheet is above most of them, whatever else hangs there.
-constexpr std::uint32_t kWide = kFewestOfPiece;
-/// Least mean height over mean distance. Estimated normals at a corner make up to 0.1 of it; a point straight above a sheet has 1.
-constexpr float kSteep = 0.2F;
 /// Cosine within which the nearest points lie in one direction: a string of flying pixels. A surface has a tip so thin only
 /// if it is a needle of 16 degrees.
 constexpr float kInLine = 0.99F;
@@ -26,8 +21,11 @@ constexpr float kDeviations = 5;  ///< of the neighbours' own heights; a surface
 /// Epsilons, half the distance of two points: flying points that make an object larger by less stay, since sharp tips look like
 /// them.
 constexpr float kLeastReach = 0.115F;
-constexpr std::uint32_t kMostShare = 20;        ///< at most one point in so many is flying
-constexpr std::uint32_t kFirstCandidates = 64;  ///< sorted at a time, twice as many each time
+constexpr std::uint32_t kMostShare = 20;      ///< at most one point in so many is flying
+constexpr std::size_t kFirstCandidates = 64;  ///< sorted at first
+
+/// Room for the nearest points, more than a clump has: a point beside a sheet is above most of them, whatever else hangs there.
+using Nearest = std::array<Neighbour, kFewestOfPiece>;
 
 class FlyingPoints {
  public:
@@ -68,38 +66,37 @@ class FlyingPoints {
       const float y = sign * cloud_.position[b][axis];
       return x > y || (x == y && a < b);
     };
+    // Sorted in portions that double: a heap of all points takes 3 % of a clean scan's time.
     const auto candidates = order_.first(size);
-    std::size_t first = 0;
-    for (std::size_t step = kFirstCandidates; first < size; step *= 2) {
-      const std::size_t last = std::min(size, first + step);
-      const auto begin = candidates.begin();
-      std::partial_sort(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last),
-                        candidates.end(), farther);
-      for (; first < last; ++first) {
-        const std::uint32_t i = candidates[first];
-        if (!is_flying(i)) {
-          const float reach = std::abs(cloud_.position[candidates[0]][axis] - cloud_.position[i][axis]);
-          if (reach < kLeastReach * clustering_.epsilon) restore(count_before);
-          return true;
-        }
-        if (count_ == marked_.size()) return false;
-        cloud_.normal[i].point_class = PointClass::kNoise;
-        marked_[count_++] = i;
+    std::size_t sorted = 0;
+    for (std::size_t k = 0; k < size; ++k) {
+      if (k == sorted) {
+        sorted = std::min(size, 2 * sorted + kFirstCandidates);
+        std::partial_sort(candidates.begin() + static_cast<std::ptrdiff_t>(k),
+                          candidates.begin() + static_cast<std::ptrdiff_t>(sorted), candidates.end(), farther);
       }
+      const std::uint32_t i = candidates[k];
+      if (!is_flying(i)) {
+        const float reach = std::abs(cloud_.position[candidates[0]][axis] - cloud_.position[i][axis]);
+        if (reach < kLeastReach * clustering_.epsilon) restore(count_before);
+        return true;
+      }
+      if (count_ == marked_.size()) return false;
+      cloud_.normal[i].point_class = PointClass::kNoise;
+      marked_[count_++] = i;
     }
     return false;
   }
 
-  std::uint32_t nearest(std::uint32_t i, std::span<Neighbour> found) const {
-    return tree_.nearest(cloud_.position[i], found,
-                         [&](std::uint32_t other) { return other != i && cloud_.is_surface(other); });
+  std::span<const Neighbour> nearest(std::uint32_t i, Nearest& room) const {
+    const auto counts = [&](std::uint32_t other) { return other != i && cloud_.is_surface(other); };
+    return std::span(room).first(tree_.nearest(cloud_.position[i], room, counts));
   }
 
   bool is_flying(std::uint32_t i) const {
-    std::array<Neighbour, kWide> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    const std::uint32_t count = nearest(i, found);
-    if (count < kSheet) return true;
-    const auto neighbours = std::span<const Neighbour>(found).first(count);
+    Nearest room;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    const auto neighbours = nearest(i, room);
+    if (neighbours.size() < kSheet) return true;
     return is_above(i, neighbours) || ends_a_string(i, neighbours.first(kSheet)) || !is_together(i);
   }
 
@@ -119,14 +116,13 @@ class FlyingPoints {
     float distance = 0;
     for (const Neighbour& n : neighbours) distance += std::sqrt(n.distance2);
     const float height = mean_height(i, neighbours);
-    if (!(height * static_cast<float>(neighbours.size()) > kSteep * distance)) return false;
+    if (!(height * static_cast<float>(neighbours.size()) > kMostHeight * distance)) return false;
     // Curvature makes heights, too, and noise does. Both are the same around the point.
-    std::array<float, kWide> heights;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::array<float, kFewestOfPiece> heights;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     const auto of_neighbours = std::span(heights).first(neighbours.size());
     for (std::size_t k = 0; k < neighbours.size(); ++k) {
-      std::array<Neighbour, kWide> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-      const std::uint32_t count = nearest(neighbours[k].index, found);
-      of_neighbours[k] = mean_height(neighbours[k].index, std::span<const Neighbour>(found).first(count));
+      Nearest room;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      of_neighbours[k] = mean_height(neighbours[k].index, nearest(neighbours[k].index, room));
     }
     const float middle = median(of_neighbours);
     for (float& h : of_neighbours) h = std::abs(h - middle);
@@ -134,17 +130,17 @@ class FlyingPoints {
     return height > middle + kDeviations * deviation;
   }
 
-  bool ends_a_string(std::uint32_t i, std::span<const Neighbour> nearest) const {
+  bool ends_a_string(std::uint32_t i, std::span<const Neighbour> neighbours) const {
     const auto towards = [&](const Neighbour& n) -> Vec3f {
       return (cloud_.position[n.index] - cloud_.position[i]) / std::sqrt(n.distance2);
     };
     Vec3f mean = Vec3f::Zero();
-    for (const Neighbour& n : nearest) {
+    for (const Neighbour& n : neighbours) {
       if (!(n.distance2 > 0)) return false;
       mean += towards(n);
     }
     const float length = std::sqrt(mean.dot(mean));
-    return std::all_of(nearest.begin(), nearest.end(),
+    return std::all_of(neighbours.begin(), neighbours.end(),
                        [&](const Neighbour& n) { return towards(n).dot(mean) > kInLine * length; });
   }
 
@@ -158,9 +154,8 @@ class FlyingPoints {
     std::array<std::uint32_t, kFewestOfPiece> reached = {i};
     std::uint32_t size = 1;
     for (std::uint32_t next = 0; next < size; ++next) {
-      std::array<Neighbour, kFewestOfPiece> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-      const std::uint32_t count = nearest(reached[next], found);
-      for (const Neighbour& n : std::span(found).first(count)) {
+      Nearest room;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      for (const Neighbour& n : nearest(reached[next], room)) {
         const float most = step(reached[next], n.index);
         if (n.distance2 > most * most) continue;
         if (std::find(reached.begin(), reached.begin() + size, n.index) != reached.begin() + size) continue;
@@ -185,8 +180,8 @@ Expected<std::uint32_t> mark_flying_points(Cloud& cloud, const KdTree3& tree, co
                                            Arena& arena) {
   const ArenaScope scope(arena);
   std::span<std::uint32_t> order, marked;
-  PLUMBLINE_TRY(arena.take_top(order, cloud.size, kStage));
-  PLUMBLINE_TRY(arena.take_top(marked, cloud.size / kMostShare, kStage));
+  PLUMBLINE_TRY(arena.take_top(order, cloud.size, "flying points"));
+  PLUMBLINE_TRY(arena.take_top(marked, cloud.size / kMostShare, "flying points"));
   const std::uint32_t count = FlyingPoints(cloud, tree, clustering, order, marked).mark();
   return count;
 }

@@ -13,9 +13,6 @@ namespace {
 /// Nearest points searched: more than the 5 needed, since some are too far by the metric of the clustering.
 constexpr std::uint32_t kSearch = 16;
 constexpr float kRounded = 1.001F;  ///< of normals: the square of their length is 1 at most but for this
-/// Largest mean height over the mean distance of the neighbours for a point on their sheet.
-constexpr float kMaxHeight = 0.2F;
-constexpr std::uint32_t kBlock = 1024;  ///< points that a thread takes at a time
 
 }  // namespace
 
@@ -40,7 +37,7 @@ std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tr
     height += 0.5F * (normal + other).dot(cloud.position[i] - cloud.position[found[k].index]);
     distance += std::sqrt(farthest2);
   }
-  if (near < settings.sparse_points || std::abs(height) > kMaxHeight * distance) return std::nullopt;
+  if (near < settings.sparse_points || std::abs(height) > kMostHeight * distance) return std::nullopt;
   return std::sqrt(farthest2 / static_cast<float>(near));
 }
 
@@ -58,7 +55,7 @@ Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, const Clustering
       cloud.radius[i] = std::max(cloud.radius[i], growth * *radius);
     }
   };
-  if (for_blocks(cloud.size, kBlock, progress, rescue_block)) return {};
+  if (for_blocks(cloud.size, kSharedSearch, progress, rescue_block)) return {};
   return fail(ErrorCode::kCancelled, "cancelled while sparse parts of the surface were looked for");
 }
 

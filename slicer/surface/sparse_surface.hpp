@@ -11,9 +11,13 @@
 
 namespace plumbline {
 
-/// Tests whether point i lies on a sparse sheet of points that face its way. Of its 16 nearest points that face its
-/// way, settings.sparse_points (itself included) must lie within settings.sparse_radius * epsilon by the metric of the
-/// clustering, and its mean height over them must be at most a fifth of their mean distance:
+/// Largest mean height of a point over its neighbours' planes, over their distance, for a point on their sheet. Estimated normals at a
+/// corner make up to 0.1; a point straight above a sheet has 1.
+inline constexpr float kMostHeight = 0.2F;
+
+/// Tests whether point i lies on a sparse sheet of points that face its way. Of the nearest of these, settings.sparse_points
+/// (itself included) must lie within settings.sparse_radius * epsilon by the metric of the clustering, and its mean height over
+/// them must be at most kMostHeight of their mean distance:
 ///
 ///   height = 1/2 <n_i + n_j, p_i - p_j>
 ///
