@@ -11,13 +11,11 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "normals";
-
 // A group is eight consecutive points in the order of the tree, which are neighbours in space. Only its first point searches
 // its nearest points, since the searches take most of the time. Larger groups are faster, but join sparse surfaces less well.
 constexpr std::uint32_t kGroup = 8;  ///< points in a group; only the first searches its nearest
 constexpr std::uint32_t kNearest =
-    16;  ///< nearest points that the first is joined with: twice a group, to reach the next
+    2 * kGroup;  ///< nearest points that the first is joined with: twice a group, to reach the next
 constexpr std::uint32_t kInARow = 3;  ///< following points that each point is joined with
 constexpr float kSameSide = 0.5F;     ///< least join_weight(): that across a right-angled edge
 constexpr float kNear2 = 4;  ///< followers are joined up to twice the distance of the farthest of the nearest; squared
@@ -31,7 +29,7 @@ class FlippedNormals {
       : cloud_(cloud), tree_(tree), arena_(arena), progress_(progress) {}
 
   Expected<NormalCounts> turn() {
-    auto entries = arena_.take_top<std::uint32_t>(cloud_.size, kStage);
+    auto entries = arena_.take_top<std::uint32_t>(cloud_.size, "normals");
     PLUMBLINE_TRY(entries);
     sets_ = SidedSets(*entries);
     for (std::uint32_t i = 0; i < cloud_.size; ++i) sets_.start(i, false);
@@ -51,7 +49,7 @@ class FlippedNormals {
     const ArenaScope scope(arena_);
     const std::uint32_t groups = (cloud_.size + kGroup - 1) / kGroup;
     const std::uint32_t most = std::min(kBatch, groups);
-    auto block = arena_.take_top<Neighbour>(2 * std::size_t{most} * kNearest, kStage);
+    auto block = arena_.take_top<Neighbour>(2 * std::size_t{most} * kNearest, "normals");
     PLUMBLINE_TRY(block);
     std::span<Neighbour> here = block->first(std::size_t{most} * kNearest);
     std::span<Neighbour> before = block->last(here.size());

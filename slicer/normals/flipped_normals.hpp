@@ -16,19 +16,18 @@ std::size_t flipped_normals_bytes(std::uint32_t points);
 
 /// Turns over the normals that face into the object.
 ///
-/// Neighbours that face the same way (join_weight() of at least 1/2) are joined to sheets. Only neighbours in the order of
-/// the tree are joined, and every eighth point with its nearest ones, which links the groups of eight. The largest sheet is
-/// taken to be right. The others, from large to small, and then the points in no sheet, are turned over if the field of the
-/// sheets before them says so (orient_normals(), 2): a sheet that faces the wrong way opens a hole in the surface instead of
-/// closing it. A separate part, or the wall of a cavity, does not contradict the field and stays.
+/// Neighbours that face the same way are joined to sheets. The largest sheet is taken to be right. The others, from large to
+/// small, and then the points in no sheet, are turned over if the field of the sheets before them says so (orient_normals(), 2):
+/// a sheet that faces the wrong way opens a hole in the surface instead of closing it. A separate part, or the wall of a
+/// cavity, does not contradict the field and stays.
 ///
 /// Then the winding number on the largest sheet tells whether the scan as a whole is inside out: 1/2 on a closed surface, -1/2
-/// if all normals face into it. Below -1/4 the largest sheet is turned over, and the others are asked again. A height field
-/// stays, since it can be a valley.
+/// if all normals face into it. If so the largest sheet is turned over, and the others are asked again. A height field stays,
+/// since it can be a valley.
 ///
-/// If more than a fifth of all pairs of neighbours face opposite sides, such sheets mean little. Then only the directions are
-/// kept, and orient_normals() finds all sides. Walls thinner than the points' spacing don't count, nor do narrow gaps: there,
-/// neighbours all face away from each other, or all face each other; where normals were turned at random, half do.
+/// If many pairs of neighbours face opposite sides, such sheets mean little. Then only the directions are kept, and
+/// orient_normals() finds all sides. Thin walls and narrow gaps don't count: there, neighbours all face away from each other,
+/// or all face each other; where normals were turned at random, half do.
 ///
 /// @param cloud  in the order of `tree`; overwrites radius[] with the radius of each point's share of the surface
 /// @returns counts, with none estimated. The same for any number of threads

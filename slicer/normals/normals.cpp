@@ -11,12 +11,6 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "normals";
-
-// Shares of the time, for progress only.
-constexpr double kCompletionShare = 0.7;  ///< estimating missing normals; turning flipped ones takes the rest
-constexpr double kEstimateShare = 0.7;    ///< of estimating: the tangent planes; orienting them takes the rest
-
 /// Cosine of 30 degrees: a splat whose axis is farther from the normal of its neighbours' plane takes that. The axes of splats that
 /// training has left round or turned mean nothing. One of seven random directions is as near.
 constexpr float kSplatAgrees = 0.86602540F;
@@ -32,11 +26,10 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
   const ArenaScope scope(arena);
   const std::uint32_t size = cloud.size;
   const std::uint32_t words = (size + 63) / 64;
-  auto bits = arena.take_top<std::uint64_t>(words, kStage);
-  if (!bits) return tl::unexpected<Error>(bits.error());
-  const std::span<std::uint64_t> estimated = *bits;
+  std::span<std::uint64_t> estimated;
+  PLUMBLINE_TRY(arena.take_top(estimated, words, "normals"));
   std::uint32_t filled = 0;
-  LoopProgress estimating(progress.part(0, kEstimateShare), words);
+  LoopProgress estimating(progress.part(0, 0.7), words);
 #pragma omp parallel for schedule(dynamic, 16) reduction(+ : filled)
   for (std::uint32_t w = 0; w < words; ++w) {
     if (!estimating.step(w)) continue;
@@ -59,7 +52,7 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
   }
   if (estimating.stopped()) return fail(ErrorCode::kCancelled, "cancelled while estimating normals");
   if (filled > 0 || sides == NormalSides::kUnknown) {
-    PLUMBLINE_TRY(orient_normals(cloud, tree, estimated, arena, progress.part(kEstimateShare, 1)));
+    PLUMBLINE_TRY(orient_normals(cloud, tree, estimated, arena, progress.part(0.7, 1)));
   }
   return filled;
 }
@@ -70,12 +63,12 @@ Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena
   const auto missing = std::count_if(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); });
   NormalCounts counts;
   if (missing > 0 || sides == NormalSides::kUnknown) {
-    const auto estimated = estimate_normals(cloud, tree, arena, progress.part(0, kCompletionShare), sides);
+    const auto estimated = estimate_normals(cloud, tree, arena, progress.part(0, 0.7), sides);
     PLUMBLINE_TRY(estimated);
     counts.estimated = *estimated;
   }
   if (static_cast<std::uint32_t>(missing) == cloud.size || sides == NormalSides::kUnknown) return counts;
-  auto turned = turn_flipped_normals(cloud, tree, arena, missing > 0 ? progress.part(kCompletionShare, 1) : progress);
+  auto turned = turn_flipped_normals(cloud, tree, arena, missing > 0 ? progress.part(0.7, 1) : progress);
   if (turned) turned->estimated = counts.estimated;
   return turned;
 }

@@ -42,6 +42,10 @@ std::int64_t to_units(float value) {
   if (!std::isfinite(value)) return 0;
   return static_cast<std::int64_t>(std::clamp(value, -kMostEvidence, kMostEvidence) * static_cast<float>(kUnit));
 }
+/// Mean of a sum of evidence over a sheet's samples.
+double mean(const Sheet& sheet, std::int64_t units) {
+  return static_cast<double>(units) / (std::max(1.0, static_cast<double>(sheet.samples)) * kUnit);
+}
 /// Hashes an index, so that samples don't follow the order of the tree (Knuth's multiplicative hash, 2^32 / golden ratio).
 std::uint32_t scattered(std::uint32_t i) { return (i * 2654435761U) >> 8U; }
 
@@ -63,8 +67,8 @@ std::size_t Sheets::bytes_needed(std::uint32_t points) {
 Status Sheets::limit_areas(Cloud& cloud, Arena& arena) {
   const ArenaScope scope(arena);
   const std::uint32_t samples = std::min(kAreaSamples, cloud.size);
-  auto block = arena.take_top<float>(samples, kStage);
-  if (!block) return tl::unexpected<Error>(block.error());
+  const auto block = arena.take_top<float>(samples, kStage);
+  PLUMBLINE_TRY(block);
   for (std::uint32_t s = 0; s < samples; ++s) (*block)[s] = cloud.radius[cloud.sampled(s, samples)];
   const float middle = median(*block);
   if (!(middle > 0)) return {};
@@ -101,25 +105,18 @@ Expected<NormalCounts> Sheets::turn(FirstSide first) {
 }
 
 Status Sheets::list() {
-  auto block = arena_.take_top<Sheet>(sheets_at_most(cloud_.size), kStage);
-  if (!block) return tl::unexpected<Error>(block.error());
+  PLUMBLINE_TRY(arena_.take_top(sheets_, sheets_at_most(cloud_.size), kStage));
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
     if (!sets_.is_root(i)) continue;
-    if (sets_.value(i) >= kSmallestSheet && cloud_.normal[i].known()) {
-      Sheet sheet;
-      sheet.root = i;
-      sheet.points = sets_.value(i);
-      (*block)[count++] = sheet;
-    }
+    const std::uint32_t points = sets_.value(i);
+    if (points >= kSmallestSheet && cloud_.normal[i].known()) sheets_[count++] = {.root = i, .points = points};
+    sets_.set_value(i, kNoSheet);
   }
-  sheets_ = block->first(count);
+  sheets_ = sheets_.first(count);
   std::sort(sheets_.begin(), sheets_.end(), [](const Sheet& a, const Sheet& b) {
     return a.points != b.points ? a.points > b.points : a.root < b.root;
   });
-  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-    if (sets_.is_root(i)) sets_.set_value(i, kNoSheet);
-  }
   for (std::uint32_t s = 0; s < count; ++s) sets_.set_value(sheets_[s].root, s);
   return {};
 }
@@ -209,10 +206,8 @@ void Sheets::find_sides_by_field(const DipoleField& field, std::uint32_t first, 
   sample(field, sheets, kSheetSamples);
   for (Sheet& sheet : sheets) {
     if (sheet.side != 0) continue;
-    const double samples = std::max(1.0, static_cast<double>(sheet.samples)) * kUnit;
-    const double winding = static_cast<double>(sheet.winding) / samples;
     const double bulge = sheet.reach > 0 ? sheet.flux / sheet.reach : 0;
-    const double evidence = bulge * (1 - 2 * winding) + static_cast<double>(sheet.slope) / samples;
+    const double evidence = bulge * (1 - 2 * mean(sheet, sheet.winding)) + mean(sheet, sheet.slope);
     sheet.side = evidence < 0 ? -1 : 1;
   }
 }
@@ -244,9 +239,7 @@ void Sheets::sample(const DipoleField& field, std::span<Sheet> sheets, std::uint
 bool Sheets::first_is_inside_out(const DipoleField& field) {
   if (sheets_.empty()) return false;
   sample(field, sheets_.first(1), kFirstSamples);
-  const double winding =
-      static_cast<double>(sheets_[0].winding) / (std::max(1.0, static_cast<double>(sheets_[0].samples)) * kUnit);
-  return winding < kInsideOut && !is_height_field();
+  return mean(sheets_[0], sheets_[0].winding) < kInsideOut && !is_height_field();
 }
 
 bool Sheets::is_height_field() const {

@@ -15,7 +15,6 @@ namespace {
 constexpr float kShare = 0.15F;
 constexpr float kAlike = 0.9F;    ///< least inner product of the normals of a joined point: 26 degrees
 constexpr std::size_t kOpen = 6;  ///< joined points that may still grow: some for each side of a thin wall
-constexpr std::uint32_t kMostPoints = std::numeric_limits<std::uint8_t>::max();
 
 /// Sums over points; positions relative to the first.
 struct Joined {
@@ -27,7 +26,7 @@ struct Joined {
   std::uint32_t points = 0;
 
   bool accepts(const Vec3f& p, const Vec3f& n, float reach2) const {
-    if (points == 0 || points == kMostPoints) return false;
+    if (points == 0 || points == std::numeric_limits<std::uint8_t>::max()) return false;
     const auto count = static_cast<float>(points);
     const Vec3f d = p - first - position / count;
     const float alike = n.dot(normal);

@@ -33,13 +33,11 @@ enum class NormalSource : std::uint8_t {
 /// points of all views together, so its normals are smooth, and rounded at edges. Points that face more than 60 degrees
 /// away, and noise, don't count; where fewer than six points are left the normal stays.
 ///
-/// A point more than a tenth of epsilon, and more than the noise, off the plane of the others that face its way lies
-/// beside their sheet: it is on the wall below an edge, where the scanner's window saw more of the face above. Its
-/// normal is not used. Where hardly any point faces another way there is no such edge, so there it must be off by more than
-/// twice the noise. Nor is that of a noise point, which is often noise because of its normal. Both get the normal of
-/// TangentPlanes, on the side of the normals around them (their mean inner product must be at least 0.2). A point with
-/// fewer than six points within settings.sparse_radius * epsilon keeps its own. Noise stays noise;
-/// rescue_sparse_surface() tests it again.
+/// A point off the plane of the others that face its way lies beside their sheet: it is on the wall below an edge, where the
+/// scanner's window saw more of the face above. Its normal is not used, nor is that of a noise point, which is often noise
+/// because of its normal. Both get the normal of TangentPlanes, on the side of the normals around them, if these agree. A point
+/// with too few others within settings.sparse_radius * epsilon keeps its own. Noise stays noise; rescue_sparse_surface() tests
+/// it again.
 ///
 /// @param cloud    in the order of `tree`, radius[] and classes set by cluster()
 /// @param refined  cloud.size normals, output; their classes follow the normals

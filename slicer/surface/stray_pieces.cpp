@@ -11,8 +11,6 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "stray pieces";
-
 constexpr std::uint32_t kMinSlots = 1U << 10;
 /// Of the cell table; the surface of a million points fills half of them.
 constexpr std::uint32_t kMaxSlots = 1U << 17;
@@ -152,9 +150,9 @@ std::size_t stray_pieces_bytes(std::uint32_t points) {
 
 Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena) {
   const ArenaScope scope(arena);
-  const auto slots = arena.take_top<CellPieces::Cell>(slots_for(cloud.size), kStage);
+  const auto slots = arena.take_top<CellPieces::Cell>(slots_for(cloud.size), "stray pieces");
   PLUMBLINE_TRY(slots);
-  const auto suspects = arena.take_top<Suspect>(kMaxSuspects, kStage);
+  const auto suspects = arena.take_top<Suspect>(kMaxSuspects, "stray pieces");
   PLUMBLINE_TRY(suspects);
   const float area_factor = std::numbers::pi_v<float> / cloud.support_points;
   const Box3f box = surface_bounds(cloud);

@@ -28,12 +28,11 @@ std::size_t stray_pieces_bytes(std::uint32_t points);
 
 /// Marks the points of stray pieces as noise.
 ///
-/// The points are sorted into cells of 1.5 epsilon. Occupied cells that touch at faces, edges or corners form a piece;
-/// its size is the area of its points. A piece is a stray piece if
-///   - it has less than a fiftieth of the largest piece's area,
+/// The points are sorted into cells (CellPieces); the size of a piece is the area of its points. A piece is a stray piece if
+///   - it is small beside the largest piece,
 ///   - the winding number of all other points along it is nearly 0 or nearly 1: it is in the air, or inside where no
 ///     scanner sees. On surface seen through a mouth, or at the bottom of a hole, the number is neither,
-///   - all stray pieces together have less than a twentieth of the area of what stays.
+///   - all stray pieces together are small beside what stays.
 /// So two legs are an object, and a hundred beads around a ball are; a part of the wall behind is not.
 ///
 /// @param cloud       scan units; radius[] set by the clustering. Noise is not used, and there must be other points

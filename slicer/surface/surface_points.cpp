@@ -10,13 +10,6 @@
 namespace plumbline {
 namespace {
 
-// Progress at the end of each step, 0 to 1.
-constexpr double kClustered = 0.6;
-constexpr double kRefined = 0.82;
-constexpr double kRescued = 0.85;
-constexpr double kSized = 0.92;
-constexpr double kRefinedAgain = 0.95;
-
 /// Where most points are outliers, the rest is a surface if it has this share of core points. A surface has 0.5 or more.
 /// Outliers that happen to face the same way are mostly of mixed type: 0.1.
 constexpr double kLeastCoreShare = 0.25;
@@ -109,7 +102,7 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
   const ClusteringSettings& clustering_settings = settings.clustering;
   const auto epsilon = density_epsilon(cloud, tree, clustering_settings, arena);
   PLUMBLINE_TRY(epsilon);
-  const auto clustered = cluster(cloud, tree, *epsilon, clustering_settings, arena, progress.part(0, kClustered));
+  const auto clustered = cluster(cloud, tree, *epsilon, clustering_settings, arena, progress.part(0, 0.6));
   PLUMBLINE_TRY(clustered);
   SurfacePoints surface;
   surface.clustering = *clustered;
@@ -120,8 +113,8 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
     return surface.found();
   };
   if (clustering.coherent) {
-    PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(kClustered, kRefined)));
-    PLUMBLINE_TRY(rescue_sparse_surface(cloud, tree, clustering_settings, *epsilon, progress.part(kRefined, kRescued)));
+    PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(0.6, 0.82)));
+    PLUMBLINE_TRY(rescue_sparse_surface(cloud, tree, clustering_settings, *epsilon, progress.part(0.82, 0.85)));
   }
   // Beside a large floor a small object looks like a stray piece, and beside stray pieces a floor may not look like one.
   if (is_found()) cut_floor(cloud, settings, surface);
@@ -137,12 +130,12 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
     surface.flying_points = *flying;
   }
   const float narrow = cloud.support_points;
-  PLUMBLINE_TRY(widen_supports(cloud, tree, clustering_settings, arena, progress.part(kRescued, kSized)));
+  PLUMBLINE_TRY(widen_supports(cloud, tree, clustering_settings, arena, progress.part(0.85, 0.92)));
   if (settings.normals == NormalSource::kPoints && clustering.coherent && cloud.support_points > narrow) {
-    PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(kSized, kRefinedAgain)));
+    PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(0.92, 0.95)));
   }
   if (is_found()) {
-    const auto walls = continue_bore_walls(cloud, tree, clustering, arena, progress.part(kRefinedAgain, 1));
+    const auto walls = continue_bore_walls(cloud, tree, clustering, arena, progress.part(0.95, 1));
     PLUMBLINE_TRY(walls);
     surface.bore_walls = *walls;
   }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <span>
 
 #include "slicer/surface/clustering.hpp"
 
@@ -12,6 +11,7 @@ namespace plumbline {
 
 /// Least inner product of a wall's normal with the direction to the middle of its bore: within 73 degrees.
 inline constexpr float kWallCosine = 0.3F;
+inline constexpr float kLeastUnseen = 2;  ///< epsilons without wall along a bore; shorter gaps are closed without help
 
 /// A point on a sparse wall that has another wall opposite.
 struct BoreEnd {

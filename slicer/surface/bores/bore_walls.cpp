@@ -15,8 +15,6 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "bore walls";
-
 constexpr std::uint32_t kMaxEnds = 4096;  ///< bounds memory and, with its square, time
 constexpr std::uint32_t kMaxSparse =
     16;                                 ///< if more than 1 / kMaxSparse of the points are sparse, epsilon is no density
@@ -24,16 +22,11 @@ constexpr std::uint32_t kChunk = 1024;  ///< points between two calls of the pro
 // Two ends of one wall. Wider limits join walls of different bores; narrower ones miss walls with noisy normals.
 constexpr float kMaxSlope = 0.2F;  ///< of the line between them against the wall
 constexpr float kMaxWidthRatio = 1.5F;
-constexpr float kMinLength = 2;  ///< epsilons; shorter gaps are closed without help
 constexpr float kMaxLength = 6;  ///< widths; longer lines may join different bores
 // Walls around an end and the space between them, in widths.
 /// Largest distance of a wall's point from the circle of that width; corners of square bores are 0.21 off.
 constexpr float kWallDistance = 0.6F;
 constexpr float kClear = 0.3F;  ///< radius around the bore's middle line that must be free of points
-
-// Progress at the end of each step, 0 to 1.
-constexpr double kFound = 0.5;
-constexpr double kRoundDone = 0.75;
 
 /// The line between two ends, along the wall.
 struct Line {
@@ -107,7 +100,7 @@ class StraightWalls {
     const float width = std::min(a.width, b.width);
     const float length2 = chord.dot(chord);
     const float longest = kMaxLength * width;
-    const float shortest = kMinLength * surface_.epsilon();
+    const float shortest = kLeastUnseen * surface_.epsilon();
     if (length2 > longest * longest || length2 < shortest * shortest) return std::nullopt;
     if (std::max(a.width, b.width) > kMaxWidthRatio * width) return std::nullopt;
     const Vec3f normal_a = surface_.normal(a.point);
@@ -181,18 +174,18 @@ std::size_t bore_walls_bytes(std::uint32_t points) {
 Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering,
                                         Arena& arena, const StageProgress& progress) {
   const ArenaScope scope(arena);
-  const auto room = arena.take_top<BoreEnd>(kMaxEnds, kStage);
+  const auto room = arena.take_top<BoreEnd>(kMaxEnds, "bore walls");
   PLUMBLINE_TRY(room);
-  const auto slots = arena.take_top<std::uint64_t>(slots_for(cloud.capacity() - cloud.size), kStage);
+  const auto slots = arena.take_top<std::uint64_t>(slots_for(cloud.capacity() - cloud.size), "bore walls");
   PLUMBLINE_TRY(slots);
   const float edge = BoreSurface::kSpacing * clustering.epsilon;
   Cells cells(*slots, cloud.bounds(), edge);
   BoreSurface surface(cloud, tree, clustering);
-  auto ends = find_ends(surface, *room, progress.part(0, kFound));
+  auto ends = find_ends(surface, *room, progress.part(0, 0.5));
   PLUMBLINE_TRY(ends);
-  ends = continue_round_bores(surface, *ends, progress.part(kFound, kRoundDone));
+  ends = continue_round_bores(surface, *ends, progress.part(0.5, 0.75));
   PLUMBLINE_TRY(ends);
-  PLUMBLINE_TRY(StraightWalls(surface, cells).run(*ends, progress.part(kRoundDone, 1)));
+  PLUMBLINE_TRY(StraightWalls(surface, cells).run(*ends, progress.part(0.75, 1)));
   cloud.continued = surface.added();
   return BoreWalls{cloud.continued, edge * edge * static_cast<float>(cloud.continued)};
 }

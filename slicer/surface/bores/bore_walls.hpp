@@ -22,18 +22,14 @@ std::size_t bore_walls_bytes(std::uint32_t points);
 /// two caps are less surface than a tube. But if walls run in line from both ends and nothing was seen between them,
 /// they belong to one bore: two blind holes that meet so exactly are rare, and a bottom is seen more often than a wall.
 ///
-/// An end is a point on a sparse part of the surface (less than a fifth of the density that epsilon stands for) with a
-/// wall opposite that faces it. The distance of the two is the width, at most eight epsilon. Round bores come first
-/// (continue_round_bores()). For other bores two ends belong together if
-///   - their normals agree to 60 degrees, and the line between them runs along the surface, to a slope of 1 in 5,
-///   - they are at least two epsilon and at most six widths apart, and their widths differ by half at most,
-///   - no point lies within epsilon of the middle half of the line, so it was not seen; and none within 0.3 widths of a
-///     parallel line half a width in front of the wall, so nothing stands in the bore,
+/// An end is a point on a sparse part of the surface with a wall opposite that faces it. The distance of the two is the width.
+/// Round bores come first (continue_round_bores()). For other bores two ends belong together if
+///   - their normals agree, their widths are alike, and the line between them runs along the surface,
+///   - no point lies on the middle half of the line, so it was not seen; and none in front of it in the middle of the bore,
 ///   - there is wall in all of eight directions around the bore at either end. Two surfaces that merely face each other
 ///     are not a bore.
-/// Points are added along the line every half epsilon, except where the wall was seen. Nothing is done where more than
-/// a sixteenth of the points are sparse: there epsilon does not stand for a density. Beyond 4096 ends the rest are
-/// ignored.
+/// Points are added along the line, except where the wall was seen. Nothing is done where much of the surface is sparse: there
+/// epsilon does not stand for a density.
 ///
 /// @param cloud       in the order of `tree`, classes and radius[] set. New points are appended, up to its capacity,
 ///                    and counted in Cloud::continued. Points of round bores get the normals of their walls

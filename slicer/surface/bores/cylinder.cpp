@@ -3,8 +3,6 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "slicer/core/numbers/vec.hpp"
-
 namespace plumbline {
 namespace {
 

@@ -27,7 +27,6 @@ constexpr float kMaxChange = 2;  ///< ratio of the radius to the first; more is 
 constexpr float kStep = 0.5F;
 constexpr float kMinStep = 0.125F;  ///< a step that met something is halved down to this
 constexpr float kMaxLength = 16;
-constexpr float kMinUnseen = 2;  ///< epsilons of the length without wall; shorter gaps are closed without help
 // Limits that classify a point around the cylinder, by its distance from the axis, in radii, and by its normal.
 constexpr float kSurveyRadius = 1.5F;  ///< farther points don't count
 constexpr float kInsideRadius = 0.6F;  ///< nearer points are inside the bore
@@ -260,7 +259,7 @@ class RoundBores {
       }
     }
     const Stretch walled{ways[0].walled, ways[1].walled};
-    if (on < kMinRatio * beside || !(unseen_length(c, walled) > kMinUnseen * surface_.epsilon())) return std::nullopt;
+    if (on < kMinRatio * beside || !(unseen_length(c, walled) > kLeastUnseen * surface_.epsilon())) return std::nullopt;
     return Bore{c, walled};
   }
 
