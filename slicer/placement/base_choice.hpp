@@ -12,6 +12,8 @@ enum class BaseChoice : std::uint8_t {
 };
 
 /// "auto", "none", "flat".
-const char* to_string(BaseChoice choice);
+constexpr const char* to_string(BaseChoice choice) {
+  return choice == BaseChoice::kAuto ? "auto" : choice == BaseChoice::kNone ? "none" : "flat";
+}
 
 }  // namespace plumbline

@@ -50,9 +50,8 @@ float base_plane(std::span<const Vec3f> points, float resolution) {
   if (walls < kFewest) return lowest;
 
   // Compares the density of each layer, a window of kBinsALayer bins, with that of the walls.
-  constexpr std::uint64_t kWallBins = kBins - kWallsFrom;
   const auto reaches_share = [&](std::uint64_t divisor, std::uint64_t sum) {
-    return sum * kWallBins * divisor >= walls * kBinsALayer;
+    return sum * (kBins - kWallsFrom) * divisor >= walls * kBinsALayer;
   };
   std::size_t tenth = kBins;
   std::uint64_t sum = 0;

@@ -28,33 +28,25 @@ constexpr float kLeastHeight = 0.25F;  ///< of the object's larger horizontal si
 constexpr std::size_t kBins = 512;     ///< of the histogram of heights
 constexpr std::uint32_t kSide = 32;    ///< cells of the map of the floor, each way
 
-/// A side of a rectangle without a two-hundredth of the points at either end, which may be flying.
 struct Side {
   float low = 0, high = 0;
   float length() const { return high - low; }
 };
 using Rectangle = std::array<Side, 2>;
 
-/// A sample of points, as coordinates along x and y.
-class Extent {
+/// Numbers of a sample of points, kSample at most.
+class Sample {
  public:
-  void add(const Vec3f& p) {
-    for (std::size_t a = 0; a < 2 && count_ < kSample; ++a) places_[a][count_] = p[static_cast<int>(a)];
-    count_ = std::min<std::size_t>(count_ + 1, kSample);
-  }
+  void add(float x) { numbers_[count_++] = x; }
   std::size_t count() const { return count_; }
-  /// Call once, with points added.
-  Rectangle rectangle() {
-    Rectangle sides;
-    for (std::size_t a = 0; a < 2; ++a) {
-      std::sort(places_[a].begin(), places_[a].begin() + static_cast<std::ptrdiff_t>(count_));
-      sides[a] = {places_[a][count_ / 200], places_[a][count_ - 1 - count_ / 200]};
-    }
-    return sides;
+  /// The range of all but one in `share` numbers at either end, which may be of flying points. Not of an empty sample.
+  Side most(std::size_t share = 200) {
+    std::sort(numbers_.begin(), numbers_.begin() + static_cast<std::ptrdiff_t>(count_));
+    return {numbers_[count_ / share], numbers_[count_ - 1 - count_ / share]};
   }
 
  private:
-  std::array<std::array<float, kSample>, 2> places_;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  std::array<float, kSample> numbers_;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   std::size_t count_ = 0;
 };
 
@@ -64,6 +56,7 @@ class FloorSearch {
       : cloud_(cloud),
         epsilon_(epsilon),
         margin_(std::max(kMarginEpsilons * epsilon, kMarginNoise * noise)),
+        step_(cloud.size / kSample + 1),
         sides_known_(sides_known) {}
 
   std::optional<FloorPlane> find() {
@@ -83,7 +76,7 @@ class FloorSearch {
   /// points up.
   template <class Visit>
   void for_each_low(Visit visit) const {
-    const float top = low_ + kLowPart * (high_ - low_);
+    const float top = heights_.low + kLowPart * heights_.length();
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (!cloud_.is_surface(i) || cloud_.position[i][2] > top) continue;
       const auto up = static_cast<float>(cloud_.normal[i].z);
@@ -93,19 +86,14 @@ class FloorSearch {
     }
   }
 
-  /// The heights that all but a two-hundredth of the points lie above and below.
   bool find_heights() {
-    std::array<float, kSample> heights;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    std::size_t count = 0;
-    const std::uint32_t step = cloud_.size / kSample + 1;
-    for (std::uint32_t i = 0; i < cloud_.size; i += step) {
-      if (cloud_.is_surface(i)) heights[count++] = cloud_.position[i][2];
+    Sample heights;
+    for (std::uint32_t i = 0; i < cloud_.size; i += step_) {
+      if (cloud_.is_surface(i)) heights.add(cloud_.position[i][2]);
     }
-    if (count < 100) return false;
-    std::sort(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(count));
-    low_ = heights[count / 200];
-    high_ = heights[count - 1 - count / 200];
-    return high_ > low_;
+    if (heights.count() < 100) return false;
+    heights_ = heights.most();
+    return heights_.length() > 0;
   }
 
   /// The normal that most low points have.
@@ -193,31 +181,33 @@ class FloorSearch {
     std::uint32_t below = 0;
     std::uint32_t in_object = 0;
     float top = 0;
-    Extent floor_points;
-    Extent object_points;
-    const std::uint32_t step = cloud_.size / kSample + 1;
+    std::array<Sample, 2> floor_points;
+    std::array<Sample, 2> object_points;
+    const auto add = [](std::array<Sample, 2>& sample, const Vec3f& p) {
+      for (int a = 0; a < 2; ++a) sample[static_cast<std::size_t>(a)].add(p[a]);
+    };
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (!cloud_.is_surface(i)) continue;
       const Vec3f& p = cloud_.position[i];
       const float height = above(p);
-      const bool sampled = i % step == 0;
+      const bool sampled = i % step_ == 0;
       ++points;
       if (height < -1.5F * margin_) {
         ++below;
       } else if (height <= margin_) {
         ++in_floor;
-        if (sampled) floor_points.add(p);
-      } else if (height > 2 * margin_ && p[2] <= high_) {
+        if (sampled) add(floor_points, p);
+      } else if (height > 2 * margin_ && p[2] <= heights_.high) {
         ++in_object;
-        if (sampled) object_points.add(p);
+        if (sampled) add(object_points, p);
         top = std::max(top, height);
       }
     }
     const float least = kLeastPoints * static_cast<float>(points);
     if (static_cast<float>(in_floor) < least || static_cast<float>(in_object) < least) return false;
-    if (floor_points.count() == 0 || object_points.count() == 0) return false;
-    const Rectangle floor = floor_points.rectangle();
-    const Rectangle object = object_points.rectangle();
+    if (floor_points[0].count() == 0 || object_points[0].count() == 0) return false;
+    const Rectangle floor{floor_points[0].most(), floor_points[1].most()};
+    const Rectangle object{object_points[0].most(), object_points[1].most()};
     if (top < kLeastHeight * std::max(object[0].length(), object[1].length())) return false;
     if (!(floor[0].length() > 0 && floor[1].length() > 0)) return false;
     if (static_cast<float>(below) > kMostBelow * static_cast<float>(in_floor) && !is_turntable(floor, object)) {
@@ -241,18 +231,14 @@ class FloorSearch {
       const float y = p[1] - 0.5F * (floor[1].low + floor[1].high);
       return std::sqrt(x * x + y * y);
     };
-    std::array<float, kSample> distances;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    std::size_t count = 0;
-    const std::uint32_t step = cloud_.size / kSample + 1;
-    for (std::uint32_t i = 0; i < cloud_.size; i += step) {
-      if (cloud_.is_surface(i) && std::abs(above(cloud_.position[i])) <= margin_) {
-        distances[count++] = from_middle(cloud_.position[i]);
-      }
+    Sample distances;
+    for (std::uint32_t i = 0; i < cloud_.size; i += step_) {
+      const Vec3f& p = cloud_.position[i];
+      if (cloud_.is_surface(i) && std::abs(above(p)) <= margin_) distances.add(from_middle(p));
     }
-    if (count == 0) return false;
-    std::sort(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(count));
+    if (distances.count() == 0) return false;
     // Of a disc's points a fiftieth has more than .99 of its radius.
-    const float radius = distances[count - 1 - count / 50] / 0.99F;
+    const float radius = distances.most(50).high / 0.99F;
     if (radius > kRound * 0.5F * side) return false;
     std::uint32_t below = 0;
     std::uint32_t inside = 0;
@@ -286,8 +272,9 @@ class FloorSearch {
   const Cloud& cloud_;
   float epsilon_;
   float margin_;
+  std::uint32_t step_;  ///< from one point of a sample to the next
   bool sides_known_;
-  float low_ = 0, high_ = 0;
+  Side heights_;
   FloorPlane plane_;
 };
 

@@ -128,10 +128,7 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   }
   if (settings.printer) {
     const PrinterVolume& v = *settings.printer;
-    p.grid.pitch_x_mm = v.pitch_x_mm;
-    p.grid.pitch_y_mm = v.pitch_y_mm;
-    p.grid.columns = v.columns;
-    p.grid.rows = v.rows;
+    p.grid = panel_grid(v, settings.layer_height_mm);
     const double lh = settings.layer_height_mm;
     // A margin of one pixel on each side keeps the outline on the panel after rounding.
     const Vec3d room(static_cast<double>(v.columns - 2) * static_cast<double>(v.pitch_x_mm),
