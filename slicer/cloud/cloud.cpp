@@ -64,7 +64,7 @@ std::size_t Cloud::reorder_bytes(std::uint32_t points) { return points * sizeof(
 Status Cloud::reorder(std::span<const std::uint32_t> order, Arena& arena) {
   const ArenaScope scope(arena);
   const auto room = arena.take_top<Piece>(size, "reordering the cloud");
-  if (!room) return tl::unexpected<Error>(room.error());
+  PLUMBLINE_TRY(room);
   const auto copy = [&](auto from, auto to) {
 #pragma omp parallel for schedule(static)
     for (std::uint32_t i = 0; i < size; ++i) (*room)[i] = from(order[i]);

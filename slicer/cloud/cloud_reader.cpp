@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <string_view>
 
 #include "slicer/cloud/thinning.hpp"
@@ -15,11 +14,6 @@ namespace {
 
 constexpr const char* kStage = "read";
 
-/// Part of the reading's progress that one file takes: `from` to `to`.
-struct ReadShare {
-  double from = 0, to = 1;
-};
-
 /// Sums upper bounds of points. A point's index has 32 bits, so a file that declares more counts as 2^32.
 std::optional<std::uint64_t> sum_of_bounds(std::optional<std::uint64_t> a, std::optional<std::uint64_t> b) {
   if (!a || !b) return std::nullopt;
@@ -30,14 +24,13 @@ std::optional<std::uint64_t> sum_of_bounds(std::optional<std::uint64_t> a, std::
 class CloudSink final : public PointSink {
  public:
   /// @param later  what the files after the first announce
-  CloudSink(const CloudReadSettings& settings, RoomForPoints room, const ScanAnnouncement& later, Arena& arena,
-            ProgressSink* progress)
-      : settings_(settings), room_(room), later_(later), arena_(arena), progress_(progress) {}
+  CloudSink(const CloudReadSettings& settings, RoomForPoints room, const ScanAnnouncement& later, Arena& arena)
+      : settings_(settings), room_(room), later_(later), arena_(arena) {}
 
   /// Call before each file is read.
-  void start_file(const ByteSource& source, ReadShare share) {
+  void start_file(const ByteSource& source, const StageProgress& progress) {
     source_ = &source;
-    share_ = share;
+    progress_ = progress;
   }
 
   Status begin(const ScanHeader& header) override {
@@ -63,9 +56,7 @@ class CloudSink final : public PointSink {
     if (!taken) return tl::unexpected<Error>(taken.error().with_prefix(source_->name()));
     return taken;
   }
-  bool progress(double fraction) override {
-    return progress_ == nullptr || progress_->advance(Stage::kRead, share_.from + (share_.to - share_.from) * fraction);
-  }
+  bool progress(double fraction) override { return progress_.advance(fraction); }
 
   /// Releases the room that no point took, and everything that was only for reading.
   /// @param top  mark of the arena before the room was taken
@@ -98,9 +89,8 @@ class CloudSink final : public PointSink {
   RoomForPoints room_;
   ScanAnnouncement later_;
   Arena& arena_;
-  ProgressSink* progress_;
   const ByteSource* source_ = nullptr;  ///< the file that is being read
-  ReadShare share_;
+  StageProgress progress_;              ///< of that file
   CloudReading reading_;
   Cloud read_;  ///< reading_.cloud without its spare room
   std::optional<PointThinner> thinner_;
@@ -137,8 +127,8 @@ class ScanQueue {
   ByteSource& operator[](std::size_t i) { return i == 0 ? *sources_[0] : static_cast<ByteSource&>(*peeked_[i]); }
   std::size_t size() const { return sources_.size(); }
 
-  /// File i's share of all bytes; of the number of files where a size is unknown.
-  ReadShare share(std::size_t i) const {
+  /// File i's part of the progress: its share of all bytes; of the number of files where a size is unknown.
+  StageProgress part(const StageProgress& whole, std::size_t i) const {
     double before = 0;
     double all = 0;
     bool known = true;
@@ -148,7 +138,7 @@ class ScanQueue {
       if (k < i) before += weight(k);
       all += weight(k);
     }
-    return {before / all, (before + weight(i)) / all};
+    return whole.part(before / all, (before + weight(i)) / all);
   }
 
  private:
@@ -167,9 +157,9 @@ Expected<CloudReading> read_all(ScanSources sources, const CloudReadSettings& se
   const auto later = queue.peek(*workspace, arena);
   PLUMBLINE_TRY(later);
   const std::size_t bottom = arena.bottom_mark();
-  CloudSink sink(settings, room, *later, arena, progress);
+  CloudSink sink(settings, room, *later, arena);
   for (std::size_t i = 0; i < queue.size(); ++i) {
-    sink.start_file(queue[i], queue.share(i));
+    sink.start_file(queue[i], queue.part({progress, Stage::kRead}, i));
     const auto summary = read_scan(queue[i], sink, *workspace, &arena);
     PLUMBLINE_TRY(summary);
     arena.release_bottom(bottom);

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "slicer/cloud/tree_builder.hpp"
+#include "slicer/core/numbers/mib.hpp"
 
 namespace plumbline {
 namespace {
@@ -208,8 +209,8 @@ template <int Dimension>
 Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> points, Arena& arena, const char* stage,
                                                      const StageProgress& progress) {
   using Storage = std::aligned_storage_t<sizeof(Impl), alignof(Impl)>;
-  auto place = arena.take_top<Storage>(1, stage);
-  if (!place) return tl::unexpected<Error>(place.error());
+  const auto place = arena.take_top<Storage>(1, stage);
+  PLUMBLINE_TRY(place);
   TreeMemory memory(arena, progress, points.size() * kBytesPerPoint);
   const Building here(memory);
   KdTree tree;
@@ -221,13 +222,11 @@ Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> poin
   }
   if (!built) {
     if (memory.cancelled()) return fail(ErrorCode::kCancelled, "%s: cancelled while building a tree", stage);
-    constexpr double kMiB = 1024.0 * 1024.0;
     return fail(
         ErrorCode::kOutOfMemory,
         "%s: the %dD tree of %zu points needs more than the %.1f MiB that were left of the arena's %.1f MiB.\tUse a "
         "larger arena or fewer points",
-        stage, Dimension, points.size(), static_cast<double>(memory.taken()) / kMiB,
-        static_cast<double>(arena.capacity()) / kMiB);
+        stage, Dimension, points.size(), mib(memory.taken()), mib(arena.capacity()));
   }
   return tree;
 }

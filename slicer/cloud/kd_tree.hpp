@@ -5,7 +5,6 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <span>
 
 #include "slicer/core/arena.hpp"
