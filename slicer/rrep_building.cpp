@@ -103,7 +103,7 @@ class RayStages {
     auto tree = KdTree2::build(cloud_.positions(), arena_, "ray grid", {progress_, Stage::kRayGrid});
     PLUMBLINE_TRY(tree);
     tree_ = *tree;
-    report_.width_mm = grid_width(cloud_, *tree_, {}) / spread_;
+    report_.width_mm = grid_width(cloud_, *tree_) / spread_;
     if (!(report_.width_mm > kLeastWidth)) report_.width_mm = std::max(kLeastWidth, epsilon_mm());
     return {};
   }
@@ -136,14 +136,14 @@ class RayStages {
     field.cloud = &cloud_;
     field.tree = &*tree_;
     field.winding = &winding_;
-    field.confidence = settings_.confidence ? &report_.confidence : nullptr;
     field.grid = grid();
+    field.width = report_.width_mm;
     field.max_radius = max_radius_;
     field.tile_capacity = tile_capacity(cloud_.capacity());
-    field.settings.intersections.width = report_.width_mm;
-    field.settings.height_field = is_height_field();
-    field.lattice_tolerance = std::max(kLayerShare * grid().layer_height_mm, kNoiseShare * report_.lengths.noise.value);
-    auto shooter = RayShooter::create(field, settings_.threads, arena_);
+    field.height_field = is_height_field();
+    const float tolerance = std::max(kLayerShare * grid().layer_height_mm, kNoiseShare * report_.lengths.noise.value);
+    ConfidenceMap* const confidence = settings_.confidence ? &report_.confidence : nullptr;
+    auto shooter = RayShooter::create(field, tolerance, confidence, settings_.threads, arena_);
     PLUMBLINE_TRY(shooter);
     auto store = CrossingStore::create(grid(), arena_);
     PLUMBLINE_TRY(store);

@@ -29,7 +29,7 @@ struct Sums {
     const float mean_plane = normal[0] * offset[0] + normal[1] * offset[1] + normal[2] * offset[2];
     return 0.5F * (distance + mean_plane / weight) / weight;
   }
-  /// Square of MlsFrame::off_centre.
+  /// Square of off_centre().
   float off_centre2(float reach) const { return offset.dot(offset) / (weight * weight * reach * reach); }
 };
 
@@ -115,17 +115,17 @@ std::size_t padded(std::uint32_t capacity) {
 }  // namespace
 
 std::size_t RayPoints::bytes_needed(std::uint32_t capacity) {
-  return Arena::rounded(RayPoints::kColumns * padded(capacity) * sizeof(float));
+  return Arena::rounded(columns().size() * padded(capacity) * sizeof(float));
 }
 
 Expected<RayPoints> RayPoints::create(std::uint32_t capacity, Arena& arena, const char* stage) {
   const std::size_t length = padded(capacity);
-  auto columns = arena.take_top<float>(RayPoints::kColumns * length, stage);
-  if (!columns) return tl::unexpected<Error>(columns.error());
+  const auto block = arena.take_top<float>(columns().size() * length, stage);
+  PLUMBLINE_TRY(block);
   RayPoints points;
-  float* next = columns->data();
-  for (float** column : points.columns()) {
-    *column = next;
+  float* next = block->data();
+  for (const auto column : columns()) {
+    points.*column = next;
     next += length;
   }
   return points;
@@ -133,8 +133,7 @@ Expected<RayPoints> RayPoints::create(std::uint32_t capacity, Arena& arena, cons
 
 void RayPoints::close() {
   for (std::uint32_t j = size; j < size + kLanes; ++j) {
-    depth[j] = plane[j] = slope[j] = 0;
-    normal_x[j] = normal_y[j] = offset_x[j] = offset_y[j] = mass[j] = 0;
+    for (const auto column : columns()) (this->*column)[j] = 0;
     distance2[j] = 1;
     inverse_radius2[j] = 2;
   }
@@ -142,7 +141,7 @@ void RayPoints::close() {
 
 RayPoints RayPoints::part(std::ptrdiff_t first, std::uint32_t count) const {
   RayPoints points = *this;
-  for (float** column : points.columns()) *column += first;
+  for (const auto column : columns()) points.*column += first;
   points.size = count;
   return points;
 }
@@ -185,14 +184,10 @@ MlsValue mls_value(const RayPoints& points, RayWindow window, float depth) {
   return {alike.value(), all.weight, alike.normal[2] / alike.weight, off_centre2};
 }
 
-MlsFrame mls_frame(const RayPoints& points, RayWindow window, float depth) {
+float off_centre(const RayPoints& points, RayWindow window, float depth) {
   Sums all;
   sum_by_distance(points, window, depth, all);
-  const float length = std::sqrt(all.normal.dot(all.normal));
-  MlsFrame frame;
-  if (length > 0) frame.normal = all.normal / length;
-  if (all.weight > 0) frame.off_centre = std::sqrt(all.off_centre2(points.reach));
-  return frame;
+  return all.weight > 0 ? std::sqrt(all.off_centre2(points.reach)) : 0;
 }
 
 }  // namespace plumbline

@@ -27,9 +27,11 @@ struct RayPoints {
   std::uint32_t size = 0;
   float reach = 0;  ///< largest h, mm: no point farther away in depth has weight
 
-  static constexpr std::size_t kColumns = 10;
-  std::array<float**, kColumns> columns() {
-    return {&depth, &distance2, &plane, &slope, &inverse_radius2, &normal_x, &normal_y, &offset_x, &offset_y, &mass};
+  static constexpr auto columns() {
+    using Points = RayPoints;
+    return std::array{&Points::depth,           &Points::distance2, &Points::plane,    &Points::slope,
+                      &Points::inverse_radius2, &Points::normal_x,  &Points::normal_y, &Points::offset_x,
+                      &Points::offset_y,        &Points::mass};
   }
 
   /// Bytes of arena for `capacity` points.
@@ -54,16 +56,7 @@ struct RayPoints {
   }
   /// Sets entry j to entry t of `from`.
   void copy(std::uint32_t j, const RayPoints& from, std::uint32_t t) {
-    depth[j] = from.depth[t];
-    distance2[j] = from.distance2[t];
-    plane[j] = from.plane[t];
-    slope[j] = from.slope[t];
-    inverse_radius2[j] = from.inverse_radius2[t];
-    normal_x[j] = from.normal_x[t];
-    normal_y[j] = from.normal_y[t];
-    offset_x[j] = from.offset_x[t];
-    offset_y[j] = from.offset_y[t];
-    mass[j] = from.mass[t];
+    for (const auto column : columns()) (this->*column)[j] = (from.*column)[t];
   }
   /// Pads the columns. Call it after the last add().
   void close();
@@ -85,7 +78,7 @@ struct MlsValue {
   float distance = 0;     ///< mm, positive outside; 0 where weight is 0
   float weight = 0;       ///< sum of w_i; 0: outside all support radii
   float slope = 0;        ///< change of the distance with depth, nearly: z of the mean normal
-  float off_centre2 = 0;  ///< square of MlsFrame::off_centre
+  float off_centre2 = 0;  ///< square of off_centre()
 };
 
 /// Signed distance to the surface through the neighbouring points, to second order:
@@ -118,11 +111,7 @@ struct MlsValue {
 /// sums are added in a fixed order, so vector units may be used.
 MlsValue mls_value(const RayPoints& points, RayWindow window, float depth);
 
-/// How the points lie around a place on the surface.
-struct MlsFrame {
-  Vec3f normal = Vec3f::Zero();  ///< weighted mean of their normals, unit length; zero where there is no weight
-  float off_centre = 0;          ///< |sum_i w_i (x - p_i)| / (reach sum_i w_i): 0 in their middle, 1 beyond all of them
-};
-MlsFrame mls_frame(const RayPoints& points, RayWindow window, float depth);
+/// |sum_i w_i (x - p_i)| / (reach sum_i w_i): 0 in the middle of the points, 1 beyond all of them; 0 where there is no weight.
+float off_centre(const RayPoints& points, RayWindow window, float depth);
 
 }  // namespace plumbline

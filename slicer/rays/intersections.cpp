@@ -6,8 +6,6 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "intersections";
-
 /// Every weight is zero at the very end of a band, so the sign is taken this share of the reach inside of it.
 constexpr float kEndInset = 0.1F;
 
@@ -33,15 +31,13 @@ std::size_t RaySolver::bytes_needed() {
   return Arena::rounded(kMaxBands * sizeof(Band)) + Arena::rounded(kMaxIntersections * sizeof(Intersection));
 }
 
-Expected<RaySolver> RaySolver::create(const IntersectionSettings& settings, Arena& arena) {
+Expected<RaySolver> RaySolver::create(float width, Arena& arena) {
   RaySolver solver;
-  solver.settings_ = settings;
-  PLUMBLINE_TRY(arena.take_top(solver.bands_, kMaxBands, kStage));
-  PLUMBLINE_TRY(arena.take_top(solver.intersections_, kMaxIntersections, kStage));
+  solver.width_ = width;
+  PLUMBLINE_TRY(arena.take_top(solver.bands_, kMaxBands, "intersections"));
+  PLUMBLINE_TRY(arena.take_top(solver.intersections_, kMaxIntersections, "intersections"));
   return solver;
 }
-
-RaySurface RaySolver::surface() const { return {bands_.first(band_count_), intersections_.first(intersection_count_)}; }
 
 void RaySolver::find_bands(const RayGatherer& gatherer, const RayPoints& points) {
   band_count_ = 0;
@@ -53,7 +49,7 @@ void RaySolver::find_bands(const RayGatherer& gatherer, const RayPoints& points)
     const float from = points.depth[j] - gatherer.half_chord(j);
     const float to = points.depth[j] + gatherer.half_chord(j);
     if (high < from && band_count_ + 1 < kMaxBands) {
-      bands_[band_count_++] = Band{low, high, 0, 0, false, false};
+      bands_[band_count_++] = {low, high};
       low = from;
       high = to;
       continue;
@@ -67,19 +63,18 @@ void RaySolver::find_bands(const RayGatherer& gatherer, const RayPoints& points)
       high = std::max(high, last.high);
     }
   }
-  bands_[band_count_++] = Band{low, high, 0, 0, false, false};
+  bands_[band_count_++] = {low, high};
 }
 
 void RaySolver::solve_root(const RayPoints& points, RayWindow hint, float low, float low_value, float high,
                            float high_value) {
   if (intersection_count_ == kMaxIntersections) return;
   const RayWindow range = window(points, low, high, hint);
-  const bool entering = low_value > 0;  // from outside to inside while going up
-  const float enough = settings_.interval * settings_.width;
+  const float enough = kInterval * width_;
   float root = 0.5F * (low + high);
   // Illinois method: regula falsi that halves the value of an end that stays twice, so that both ends close in.
   int stayed = 0;
-  for (std::uint32_t i = 0; i < settings_.max_iterations && high - low > enough; ++i) {
+  for (std::uint32_t i = 0; i < kMostIterations && high - low > enough; ++i) {
     root = (low * high_value - high * low_value) / (high_value - low_value);
     if (!(root > low && root < high)) root = 0.5F * (low + high);
     const float value = mls_value(points, range, root).distance;
@@ -99,9 +94,7 @@ void RaySolver::solve_root(const RayPoints& points, RayWindow hint, float low, f
   if (high - low <= enough && high_value != low_value) {
     root = std::clamp((low * high_value - high * low_value) / (high_value - low_value), low, high);
   }
-  const MlsFrame frame = mls_frame(points, range, root);
-  intersections_[intersection_count_++] = {root, entering ? Direction::kEntering : Direction::kExiting, frame.normal,
-                                           frame.off_centre};
+  intersections_[intersection_count_++] = {root, off_centre(points, range, root)};
 }
 
 void RaySolver::solve_between(const RayPoints& points, RayWindow hint, const RayQuery& low, const RayQuery& high) {
@@ -120,7 +113,7 @@ void RaySolver::search(const RayPoints& points, Band& band, RayWindow& near, std
   // The next candidate above the last query; one within w of it is merged into a query w above it, or farther above if the surface is
   // farther away. On a smooth sheet all candidates lie on the surface, where the sign is rounding, so there is a query between sheets, too.
   const auto next_query = [&](float previous, float value) {
-    const float step = std::max(settings_.width, std::abs(value));
+    const float step = std::max(width_, std::abs(value));
     while (candidate < points.size && points.depth[candidate] <= previous) ++candidate;
     if (candidate == points.size || points.depth[candidate] > band.high) return end;
     const float depth = points.depth[candidate];
@@ -163,20 +156,20 @@ RaySurface RaySolver::solve(const RayGatherer& gatherer, const RayPoints& points
     while (candidate < points.size && points.depth[candidate] < band.low) ++candidate;
     search(points, band, near, candidate);
   }
-  return surface();
+  return {bands_.first(band_count_), intersections_.first(intersection_count_)};
 }
 
 std::optional<float> RaySolver::solve_near(const RayPoints& points, float depth, bool entering,
-                                           float off_centre) const {
+                                           float most_off_centre) const {
   const RayWindow all{0, points.size};
   const float side = entering ? -1.0F : 1.0F;
-  const float enough = 0.25F * settings_.interval * settings_.width;
+  const float enough = 0.25F * kInterval * width_;
   float z = depth;
   MlsValue value = mls_value(points, all, z);
   float slope = value.slope;
   float limit = kMostStep * points.reach;
   for (std::uint32_t i = 0; i < kMostSteps; ++i) {
-    if (!(value.weight > 0) || !(side * slope > kLeastSlope) || value.off_centre2 > off_centre * off_centre) {
+    if (!(value.weight > 0) || !(side * slope > kLeastSlope) || value.off_centre2 > most_off_centre * most_off_centre) {
       return std::nullopt;
     }
     const float step = -value.distance / slope;

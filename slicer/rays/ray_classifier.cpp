@@ -9,7 +9,6 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "perfect rays";
 constexpr std::uint32_t kMaxCrossingsFound = 4096;
 
 /// Margin around 1/2 beyond which the winding number of one place decides a level for a block or a whole tile: more than the
@@ -39,24 +38,21 @@ std::size_t RayClassifier::bytes_needed(std::uint32_t tile_capacity) {
          Arena::rounded(kMaxCrossingsFound * sizeof(RayCrossing));
 }
 
-Expected<RayClassifier> RayClassifier::create(const Cloud& cloud, const KdTree2& tree, const WindingTree& winding,
-                                              const PrintGrid& grid, float max_radius, std::uint32_t tile_capacity,
-                                              const RayClassifierSettings& settings, Arena& arena) {
-  const auto gatherer = RayGatherer::create(cloud, tree, tile_capacity, max_radius, arena);
+Expected<RayClassifier> RayClassifier::create(const RayField& field, Arena& arena) {
+  const auto gatherer = RayGatherer::create(*field.cloud, *field.tree, field.tile_capacity, field.max_radius, arena);
   PLUMBLINE_TRY(gatherer);
-  const auto solver = RaySolver::create(settings.intersections, arena);
+  const auto solver = RaySolver::create(field.width, arena);
   PLUMBLINE_TRY(solver);
-  const auto column_winding = ColumnWinding::create(winding, arena);
+  const auto column_winding = ColumnWinding::create(*field.winding, arena);
   PLUMBLINE_TRY(column_winding);
   RayClassifier classifier;
-  PLUMBLINE_TRY(arena.take_top(classifier.crossings_, kMaxCrossingsFound, kStage));
+  PLUMBLINE_TRY(arena.take_top(classifier.crossings_, kMaxCrossingsFound, "perfect rays"));
   classifier.gatherer_ = *gatherer;
   classifier.solver_ = *solver;
   classifier.winding_ = *column_winding;
-  classifier.grid_ = grid;
-  classifier.settings_ = settings;
-  classifier.top_ = static_cast<float>(grid.layers) * grid.layer_height_mm;
-  classifier.floor_ = std::max(0.0F, winding.base());
+  classifier.field_ = field;
+  classifier.top_ = static_cast<float>(field.grid.layers) * field.grid.layer_height_mm;
+  classifier.floor_ = std::max(0.0F, field.winding->base());
   return classifier;
 }
 
@@ -73,15 +69,15 @@ void RayClassifier::judge_tile(std::uint32_t level) {
 }
 
 void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
-  const std::uint32_t last_column = std::min(grid_.columns, column + kTileSide) - 1;
-  const std::uint32_t last_row = std::min(grid_.rows, row + kTileSide) - 1;
-  const Vec2f low(grid_.x_of(column), grid_.y_of(row));
-  const Vec2f high(grid_.x_of(last_column), grid_.y_of(last_row));
+  const std::uint32_t last_column = std::min(grid().columns, column + kTileSide) - 1;
+  const std::uint32_t last_row = std::min(grid().rows, row + kTileSide) - 1;
+  const Vec2f low(grid().x_of(column), grid().y_of(row));
+  const Vec2f high(grid().x_of(last_column), grid().y_of(last_row));
   gatherer_.gather(low, high);
 
   levels_.fill({});
   const auto corner = [&](std::uint32_t of_column, std::uint32_t of_row) {
-    return Vec2f(static_cast<float>(of_column) * grid_.pitch_x_mm, static_cast<float>(of_row) * grid_.pitch_y_mm);
+    return Vec2f(static_cast<float>(of_column) * grid().pitch_x_mm, static_cast<float>(of_row) * grid().pitch_y_mm);
   };
   const std::uint32_t first_column = column / kColumnSide * kColumnSide;
   const std::uint32_t first_row = row / kColumnSide * kColumnSide;
@@ -114,7 +110,7 @@ void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
 }
 
 void RayClassifier::bisect(float x, float y, float from, float to, bool inside_at_from) {
-  emit(winding_.surface_between(x, y, from, to, inside_at_from, grid_.layer_height_mm), Evidence::kWinding);
+  emit(winding_.surface_between(x, y, from, to, inside_at_from, grid().layer_height_mm), Evidence::kWinding);
 }
 
 bool RayClassifier::level_inside(std::uint32_t level, float x, float y) {
@@ -228,19 +224,18 @@ void RayClassifier::drop_thin_stretches() {
 }
 
 std::optional<float> RayClassifier::sheet_near(std::uint32_t column, std::uint32_t row, float depth, bool entering) {
-  const auto found = solver_.solve_near(gatherer_.points_near(grid_.x_of(column), grid_.y_of(row), depth), depth,
+  const auto found = solver_.solve_near(gatherer_.points_near(grid().x_of(column), grid().y_of(row), depth), depth,
                                         entering, kExtrapolated);
   return found ? std::optional(std::max(*found, floor_)) : std::nullopt;
 }
 
 ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
-  const float x = grid_.x_of(column);
-  const float y = grid_.y_of(row);
+  const float x = grid().x_of(column);
+  const float y = grid().y_of(row);
   ray_block_ = row % kTileSide / kBlock * (kTileSide / kBlock) + column % kTileSide / kBlock;
   const RayPoints& points = gatherer_.points_of_ray(x, y);
   // Farther from all points than this (thesis III-4.a: no passing ray), MLS would only extrapolate.
-  const float width = settings_.intersections.width;
-  const bool passing = gatherer_.nearest2() <= 2 * width * width;
+  const bool passing = gatherer_.nearest2() <= 2 * field_.width * field_.width;
   const RaySurface surface = passing ? solver_.solve(gatherer_, points) : RaySurface{};
   crossing_count_ = 0;
   used_winding_ = false;
@@ -254,7 +249,7 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
     const bool above = !last && band->inside_at_low;
     const float high = last ? top_ : band->low;
     const bool was_inside = gap.inside_at_high;
-    if (high > reached && !(settings_.height_field && b == 0 && above)) {
+    if (high > reached && !(field_.height_field && b == 0 && above)) {
       gap = decide_gap(x, y, reached, high, inside, above);
     } else {
       gap = {above, above};  // the band starts at or below the base plane, or nothing unseen can lie below it

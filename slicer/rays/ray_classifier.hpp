@@ -33,8 +33,15 @@ struct ClassifiedRay {
   RayDecision decision = RayDecision::kOutside;
 };
 
-struct RayClassifierSettings {
-  IntersectionSettings intersections;
+/// What rays are shot through.
+struct RayField {
+  const Cloud* cloud = nullptr;
+  const KdTree2* tree = nullptr;
+  const WindingTree* winding = nullptr;
+  PrintGrid grid;
+  float width = 0.1F;               ///< w of thesis III-2.c, mm
+  float max_radius = 0;             ///< mm, see RayGatherer::create()
+  std::uint32_t tile_capacity = 0;  ///< points
   /// Nothing of the surface faces down and there is a base plane, so the ray is solid below its lowest crossing, whether the
   /// side walls were scanned or not.
   bool height_field = false;
@@ -48,15 +55,13 @@ struct RayClassifierSettings {
 /// of the scan and a band only a few.
 class RayClassifier {
  public:
-  static constexpr std::uint32_t kColumnSide = 4 * kTileSide;  ///< rays
+  static constexpr std::uint32_t kColumnTiles = 4;                        ///< a side
+  static constexpr std::uint32_t kColumnSide = kColumnTiles * kTileSide;  ///< rays
   static constexpr std::uint32_t kMaxCrossings =
       254;  ///< a ray; if it has more, the thinnest intervals are dropped. Counts fit a byte
 
   static std::size_t bytes_needed(std::uint32_t tile_capacity);
-  [[nodiscard]] static Expected<RayClassifier> create(const Cloud& cloud, const KdTree2& tree,
-                                                      const WindingTree& winding, const PrintGrid& grid,
-                                                      float max_radius, std::uint32_t tile_capacity,
-                                                      const RayClassifierSettings& settings, Arena& arena);
+  [[nodiscard]] static Expected<RayClassifier> create(const RayField& field, Arena& arena);
 
   /// Begins the tile whose first ray is pixel (column, row); kTileSide rays a side.
   void begin_tile(std::uint32_t column, std::uint32_t row);
@@ -66,9 +71,8 @@ class RayClassifier {
   /// Depth of the surface near a predicted depth on a ray of that tile, mm; nothing if there is none.
   std::optional<float> sheet_near(std::uint32_t column, std::uint32_t row, float depth, bool entering);
 
-  const PrintGrid& grid() const { return grid_; }
+  const PrintGrid& grid() const { return field_.grid; }
   const RayGatherer& gatherer() const { return gatherer_; }
-  bool tile_thinned() const { return gatherer_.thinned(); }
 
  private:
   enum class Verdict : std::uint8_t { kUnknown, kOutside, kInside, kUnsure };
@@ -92,9 +96,9 @@ class RayClassifier {
     }
   };
   static constexpr std::uint32_t kLevels = 64;
-  static constexpr std::uint32_t kMeetingSide = 2 * kTileSide;            ///< rays
-  static constexpr std::uint32_t kMeetings = kColumnSide / kMeetingSide;  ///< along a side of a column
-  static constexpr std::uint32_t kBlock = 4;                              ///< rays a side
+  static constexpr std::uint32_t kMeetingSide = 2 * kTileSide;  ///< rays
+  static constexpr std::uint32_t kMeetings = kColumnTiles / 2;  ///< along a side of a column
+  static constexpr std::uint32_t kBlock = 4;                    ///< rays a side
   /// Where the ends of a gap agree, only every kStride-th level is checked. A thinner solid of which the scan shows neither
   /// underside nor top is missed.
   static constexpr std::uint32_t kStride = 4;
@@ -118,8 +122,7 @@ class RayClassifier {
   RayGatherer gatherer_;
   RaySolver solver_;
   ColumnWinding winding_;
-  PrintGrid grid_;
-  RayClassifierSettings settings_;
+  RayField field_;
   std::span<RayCrossing> crossings_;
   /// Verdicts at the levels in each place of the column where four tiles meet, found when first needed.
   std::array<std::array<Verdict, kLevels>, kMeetings * kMeetings> verdicts_{};

@@ -35,22 +35,12 @@ Row through_nodes(const Row& value) {
 void RayLattice::begin(const Place& place) {
   const bool has_left =
       place.column % RayClassifier::kColumnSide != 0 && place_ == Place{place.column - kTileSide, place.row};
-  for (std::int32_t r = -1; r < kSide; ++r) {
-    if (has_left) {
-      at(-1, r) = at(kSide - 1, r);
-    } else {
-      at(-1, r).known = false;
-    }
-  }
-  const std::uint32_t number = place.column / kTileSide % kTiles;
+  for (std::int32_t r = -1; r < kSide; ++r) at(-1, r) = has_left ? at(kSide - 1, r) : TileRay{};
+  const std::uint32_t number = place.column / kTileSide % RayClassifier::kColumnTiles;
   const bool has_above =
       place.row % RayClassifier::kColumnSide != 0 && above_place_[number] == Place{place.column, place.row - kTileSide};
   for (std::int32_t c = 0; c < kSide; ++c) {
-    if (has_above) {
-      at(c, -1) = above_[number * kTileSide + static_cast<std::uint32_t>(c)];
-    } else {
-      at(c, -1).known = false;
-    }
+    at(c, -1) = has_above ? above_[number * kTileSide + static_cast<std::uint32_t>(c)] : TileRay{};
     for (std::int32_t r = 0; r < kSide; ++r) at(c, r).known = false;
   }
   place_ = place;
@@ -59,7 +49,7 @@ void RayLattice::begin(const Place& place) {
 
 /// Keeps the last row for the tile below.
 void RayLattice::end() {
-  const std::uint32_t number = place_.column / kTileSide % kTiles;
+  const std::uint32_t number = place_.column / kTileSide % RayClassifier::kColumnTiles;
   above_place_[number] = place_;
   for (std::int32_t c = 0; c < kSide; ++c)
     above_[number * kTileSide + static_cast<std::uint32_t>(c)] = at(c, kSide - 1);

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 
 #include "slicer/rays/ray_classifier.hpp"
 
@@ -44,7 +43,6 @@ class RayLattice {
 
  private:
   static constexpr std::uint32_t kRow = kTileSide + 1;  ///< rays: one of the tile before, then those of the tile
-  static constexpr std::uint32_t kTiles = RayClassifier::kColumnSide / kTileSide;  ///< along a side of a column
   static constexpr std::int32_t kSide = kTileSide;
 
   /// A square of rays; c and r count columns and rows from the first ray of the tile.
@@ -91,7 +89,7 @@ class RayLattice {
   std::array<TileRay, std::size_t{kRow} * kRow> rays_;
   /// The last rows of the latest tiles, and which tiles these are.
   std::array<TileRay, RayClassifier::kColumnSide> above_;
-  std::array<Place, kTiles> above_place_;
+  std::array<Place, RayClassifier::kColumnTiles> above_place_;
   TileRay like_;  ///< a ray that crosses the sheets
   std::array<Sheet, TileRay::kMost> sheets_{};
   std::uint32_t guided_ = 0;

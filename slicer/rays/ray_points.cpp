@@ -100,29 +100,26 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
     const float dy = std::max({low[1] - p[1], 0.0F, p[1] - high[1]});
     return dx * dx + dy * dy < radius * radius;
   };
-  const auto keep = [&](std::uint32_t i) { chosen_[count_++] = depth_key(cloud_->position[i][2], i); };
-
-  count_ = 0;
-  thinned_ = false;
-  std::uint32_t met = 0;
-  tree_->visit_box(from, to, [&](std::uint32_t first, std::uint32_t last) {
-    for (std::uint32_t at = first; at < last; ++at) {
-      if (!seen(order[at])) continue;
-      if (met++ < chosen_.size()) keep(order[at]);
-    }
-  });
-  if (met > chosen_.size()) {
-    // Too many points: use every n-th in the order of the tree, so that the choice depends on the cloud alone.
-    thinned_ = true;
+  const auto capacity = static_cast<std::uint32_t>(chosen_.size());
+  // Keeps every n-th point, as many as there is room for, and returns how many there are.
+  const auto keep = [&](std::uint32_t n) {
     count_ = 0;
-    const auto stride = static_cast<std::uint32_t>((met + chosen_.size() - 1) / chosen_.size());
-    std::uint32_t nth = 0;
+    std::uint32_t met = 0;
+    std::uint32_t next = 0;
     tree_->visit_box(from, to, [&](std::uint32_t first, std::uint32_t last) {
       for (std::uint32_t at = first; at < last; ++at) {
-        if (seen(order[at]) && nth++ % stride == 0) keep(order[at]);
+        const std::uint32_t i = order[at];
+        if (!seen(i) || met++ != next || count_ == capacity) continue;
+        next += n;
+        chosen_[count_++] = depth_key(cloud_->position[i][2], i);
       }
     });
-  }
+    return met;
+  };
+  const std::uint32_t met = keep(1);
+  thinned_ = met > capacity;
+  // In the order of the tree, so that the choice depends on the cloud alone.
+  if (thinned_) keep((met + capacity - 1) / capacity);
   std::sort(chosen_.begin(), chosen_.begin() + count_);
   tile_reach_ = 0;
   tile_.size = 0;

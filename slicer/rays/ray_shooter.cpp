@@ -35,21 +35,22 @@ std::size_t RayShooter::bytes_needed(std::uint32_t tile_capacity) {
          Arena::rounded(sizeof(std::uint16_t) * kRaysPerTile * RayClassifier::kMaxCrossings);
 }
 
-Expected<RayShooter> RayShooter::create(const RayField& field, std::uint32_t threads, Arena& arena) {
+Expected<RayShooter> RayShooter::create(const RayField& field, float tolerance, ConfidenceMap* confidence,
+                                        std::uint32_t threads, Arena& arena) {
   RayShooter shooter;
-  shooter.field_ = field;
+  shooter.grid_ = field.grid;
+  shooter.confidence_ = confidence;
   shooter.bounds_ = field.cloud->bounds();
   shooter.bounds_.low -= Vec3f::Constant(field.max_radius);
   shooter.bounds_.high += Vec3f::Constant(field.max_radius);
   shooter.threads_ = std::clamp<std::uint32_t>(threads, 1, kMaxThreads);
   for (Worker& worker : std::span(shooter.workers_).first(shooter.threads_)) {
-    auto classifier = RayClassifier::create(*field.cloud, *field.tree, *field.winding, field.grid, field.max_radius,
-                                            field.tile_capacity, field.settings, arena);
-    if (!classifier) return tl::unexpected<Error>(classifier.error());
+    const auto classifier = RayClassifier::create(field, arena);
+    PLUMBLINE_TRY(classifier);
     PLUMBLINE_TRY(arena.take_top(worker.layers, std::size_t{kRaysPerTile} * RayClassifier::kMaxCrossings, "R-Rep"));
-    auto lattice = arena.take_top<RayLattice>(1, "R-Rep");
-    if (!lattice) return tl::unexpected<Error>(lattice.error());
-    lattice->front() = RayLattice(field.lattice_tolerance);
+    const auto lattice = arena.take_top<RayLattice>(1, "R-Rep");
+    PLUMBLINE_TRY(lattice);
+    lattice->front() = RayLattice(tolerance);
     worker.classifier = *classifier;
     worker.lattice = lattice->data();
   }
@@ -57,7 +58,7 @@ Expected<RayShooter> RayShooter::create(const RayField& field, std::uint32_t thr
 }
 
 Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore& store) const {
-  const PrintGrid& grid = field_.grid;
+  const PrintGrid& grid = grid_;
   const std::uint32_t column = tile % store.tile_columns() * kTileSide;
   const std::uint32_t row = tile / store.tile_columns() * kTileSide;
   const std::uint32_t columns = std::min(kTileSide, grid.columns - column);
@@ -70,7 +71,7 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
   }
   worker.classifier.begin_tile(column, row);
   RayCounts& total = worker.counts;
-  total.thinned_tiles += worker.classifier.tile_thinned() ? 1 : 0;
+  total.thinned_tiles += worker.classifier.gatherer().thinned() ? 1 : 0;
 
   RayLattice& lattice = *worker.lattice;
   const bool whole = columns * rows == kRaysPerTile;
@@ -90,8 +91,8 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
                                     ? ClassifiedRay{std::span(known.crossing).first(known.count), known.decision}
                                     : worker.classifier.ray(column + c, row + r);
       const std::uint32_t n = to_layers(ray.crossings, grid, &worker.layers[used], evidence.data());
-      for (std::uint32_t i = 0; field_.confidence != nullptr && i < n; ++i) {
-        field_.confidence->add(column + c, row + r, worker.layers[used + i], evidence[i]);
+      for (std::uint32_t i = 0; confidence_ != nullptr && i < n; ++i) {
+        confidence_->add(column + c, row + r, worker.layers[used + i], evidence[i]);
       }
       counts[at] = static_cast<std::uint8_t>(n);
       used += n;
@@ -104,7 +105,7 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
 
 Expected<RayCounts> RayShooter::shoot(CrossingStore& store, ProgressSink* progress) {
   // One thread shoots all tiles that share a column's winding numbers.
-  constexpr std::uint32_t kSide = RayClassifier::kColumnSide / kTileSide;
+  constexpr std::uint32_t kSide = RayClassifier::kColumnTiles;
   const std::uint32_t across = (store.tile_columns() + kSide - 1) / kSide;
   const std::uint32_t columns = across * ((store.tile_rows() + kSide - 1) / kSide);
   std::atomic<std::uint32_t> done = 0;

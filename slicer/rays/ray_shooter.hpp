@@ -23,19 +23,6 @@ struct RayCounts {
   std::uint64_t interested() const { return std::reduce(decided.begin(), decided.end()); }
 };
 
-/// Inputs of the ray stage.
-struct RayField {
-  const Cloud* cloud = nullptr;
-  const KdTree2* tree = nullptr;
-  const WindingTree* winding = nullptr;
-  ConfidenceMap* confidence = nullptr;  ///< may be null
-  PrintGrid grid;
-  float max_radius = 0;             ///< mm, see RayGatherer::create()
-  std::uint32_t tile_capacity = 0;  ///< points
-  float lattice_tolerance = 0;      ///< mm, see RayLattice
-  RayClassifierSettings settings;
-};
-
 /// Shoots the rays of the grid with one worker a thread.
 class RayShooter {
  public:
@@ -45,8 +32,11 @@ class RayShooter {
   static std::size_t bytes_needed(std::uint32_t tile_capacity);
 
   /// Takes the workers' memory from the top of the arena. Call it before CrossingStore::create(), which takes all that is left.
+  /// @param tolerance   mm, see RayLattice
+  /// @param confidence  may be null
   /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] static Expected<RayShooter> create(const RayField& field, std::uint32_t threads, Arena& arena);
+  [[nodiscard]] static Expected<RayShooter> create(const RayField& field, float tolerance, ConfidenceMap* confidence,
+                                                   std::uint32_t threads, Arena& arena);
 
   /// Shoots every ray within the bounds of the cloud's supports and stores its crossings. The result does not depend on the number of
   /// threads.
@@ -62,7 +52,8 @@ class RayShooter {
   };
   Status shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore& store) const;
 
-  RayField field_;
+  PrintGrid grid_;
+  ConfidenceMap* confidence_ = nullptr;
   Box3f bounds_;  ///< of the cloud's supports, mm
   std::array<Worker, kMaxThreads> workers_;
   std::uint32_t threads_ = 1;

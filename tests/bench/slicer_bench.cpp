@@ -181,10 +181,14 @@ void row_of_ray_tiles(benchmark::State& state) {
                        .pitch_x_mm = kPitch,
                        .pitch_y_mm = kPitch,
                        .layer_height_mm = kPitch};
-  RayClassifierSettings settings;
-  settings.intersections.width = grid_width(scanned.cloud, scanned.tree, {});
-  RayClassifier classifier = value_of(
-      RayClassifier::create(scanned.cloud, scanned.tree, winding, grid, scanned.max_radius(), 32768, settings, *arena));
+  const RayField field{.cloud = &scanned.cloud,
+                       .tree = &scanned.tree,
+                       .winding = &winding,
+                       .grid = grid,
+                       .width = grid_width(scanned.cloud, scanned.tree),
+                       .max_radius = scanned.max_radius(),
+                       .tile_capacity = 32768};
+  RayClassifier classifier = value_of(RayClassifier::create(field, *arena));
   const std::uint32_t row = kSide / 2 / kTile * kTile;
   while (state.KeepRunning()) {
     std::size_t crossings = 0;

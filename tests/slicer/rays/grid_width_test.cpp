@@ -29,9 +29,9 @@ class LatticeCloud {
     for (std::uint32_t i = 0; i < cloud_.size; ++i) cloud_.normal[i].point_class = to;
   }
   Cloud& cloud() { return cloud_; }
-  float width(const GridWidthSettings& settings = {}) {
+  float width() {
     const ArenaScope scope(*arena_);
-    return grid_width(cloud_, value_of(KdTree2::build(cloud_.positions(), *arena_, "test")), settings);
+    return grid_width(cloud_, value_of(KdTree2::build(cloud_.positions(), *arena_, "test")));
   }
 
  private:
@@ -59,11 +59,9 @@ TEST(GridWidth, OnASquareLatticeIsThatOfItsTenthNeighbour) {
       sum += d[10];
     }
   }
-  GridWidthSettings all;
-  all.sample = 10000;
   LatticeCloud lattice(side, spacing);
   const double exact = std::sqrt(kPi) * spacing * sum / (side * side);
-  EXPECT_NEAR(lattice.width(all), exact, 1e-5 * exact);
+  EXPECT_NEAR(lattice.width(), exact, 1e-5 * exact);
   EXPECT_NEAR(lattice.width(), std::sqrt(kPi) * 2 * spacing, 0.02 * std::sqrt(kPi) * 2 * spacing);
 }
 

@@ -19,13 +19,12 @@ using namespace testing;
 /// A surface sampled and clustered, ready for rays.
 class RayLaboratory {
  public:
-  explicit RayLaboratory(const Surface& surface, IntersectionSettings settings = {})
+  explicit RayLaboratory(const Surface& surface)
       : arena_(surface.size() * 120 + 4 * kMiB), scan_(clustered(surface, *arena_)) {
-    settings.width = grid_width(scan_.cloud, scan_.tree, {});
-    if (settings.width <= 0) settings.width = scan_.clustering.epsilon;
-    width_ = settings.width;
+    width_ = grid_width(scan_.cloud, scan_.tree);
+    if (width_ <= 0) width_ = scan_.clustering.epsilon;
     gatherer_ = value_of(RayGatherer::create(scan_.cloud, scan_.tree, scan_.cloud.size, scan_.max_radius(), *arena_));
-    solver_ = value_of(RaySolver::create(settings, *arena_));
+    solver_ = value_of(RaySolver::create(width_, *arena_));
   }
   RayLaboratory(const RayLaboratory&) = delete;
   RayLaboratory& operator=(const RayLaboratory&) = delete;
@@ -62,7 +61,6 @@ using ExactRay = std::function<std::vector<Meeting>(double x, double y)>;
 struct Deviation {
   double mean_depth = 0;   ///< mm
   double worst_depth = 0;  ///< mm
-  double worst_angle = 0;  ///< degrees
   int meetings = 0;
 };
 
@@ -82,13 +80,9 @@ Deviation deviation_from(const ExactRay& exact, RayLaboratory& laboratory, doubl
     if (found.intersections.size() != wanted.size()) continue;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       const Intersection& hit = found.intersections[i];
-      EXPECT_EQ(hit.direction, wanted[i].normal[2] < 0 ? Direction::kEntering : Direction::kExiting);
-      EXPECT_NEAR(hit.normal.norm(), 1, 1e-5);
       const double off = std::abs(hit.depth - wanted[i].depth);
-      const double cosine = std::min(1.0, hit.normal.cast<double>().normalized().dot(wanted[i].normal));
       sum.mean_depth += off;
       sum.worst_depth = std::max(sum.worst_depth, off);
-      sum.worst_angle = std::max(sum.worst_angle, std::acos(cosine) * 180 / kPi);
       ++sum.meetings;
     }
   }
@@ -146,7 +140,6 @@ TEST(Intersections, LieOnThePlane) {
     const ExactRay exact = [&](double x, double y) { return std::vector<Meeting>{{20 + x * tilt + y * 0.25, n}}; };
     const Deviation off = deviation_from(exact, laboratory, 1, 11);
     EXPECT_LT(off.worst_depth, 2e-4);
-    EXPECT_LT(off.worst_angle, 0.01);
   }
 }
 
@@ -162,9 +155,6 @@ TEST(Intersections, OfASphereConvergeAtLeastLinearlyWithTheSpacing) {
     if (before.meetings > 0) {
       EXPECT_LT(off.mean_depth, 0.5 * before.mean_depth) << spacing;
       EXPECT_LT(off.worst_depth, 0.5 * before.worst_depth) << spacing;
-    }
-    if (spacing == 0.1) {
-      EXPECT_LT(off.worst_angle, 1.0);
     }
     before = off;
   }
@@ -199,12 +189,12 @@ TEST(Intersections, AreTheSameFromANearbyDepthButNotInTheOtherDirection) {
     const double y = 8 + from_axis * std::sin(angle);
     const RaySurface by_points = laboratory.shoot(x, y);
     const std::vector<Intersection> first(by_points.intersections.begin(), by_points.intersections.end());
-    for (const Intersection& intersection : first) {
-      const bool entering = intersection.direction == Direction::kEntering;
-      const float depth = intersection.depth + static_cast<float>(random.uniform(-0.05, 0.05));
+    for (std::size_t k = 0; k < first.size(); ++k) {
+      const bool entering = k % 2 == 0;
+      const float depth = first[k].depth + static_cast<float>(random.uniform(-0.05, 0.05));
       const auto near = laboratory.shoot_near(x, y, depth, entering);
       ASSERT_TRUE(near);
-      EXPECT_NEAR(*near, intersection.depth, 0.05F * laboratory.width());
+      EXPECT_NEAR(*near, first[k].depth, 0.05F * laboratory.width());
       EXPECT_FALSE(laboratory.shoot_near(x, y, depth, !entering));
     }
   }
@@ -257,11 +247,11 @@ float bisected(const RayPoints& points, float low, float high) {
 /// Calls compare(points, hit) with the ray's points, for both intersections of each ray through a noisy sphere.
 /// @returns the grid width, mm
 template <class Compare>
-float for_each_hit(IntersectionSettings settings, Compare compare) {
+float for_each_hit(Compare compare) {
   Random random(44);
   Surface surface = sphere(sphere_points(5, 0.25), 5, {8, 8, 8});
   add_noise(surface, 0.03, 0.1, random);
-  RayLaboratory laboratory(surface, settings);
+  RayLaboratory laboratory(surface);
   for (int i = 0; i < 100; ++i) {
     const double angle = random.uniform(0, 2 * kPi);
     const double from_axis = random.uniform(0, 4);
@@ -278,30 +268,10 @@ float for_each_hit(IntersectionSettings settings, Compare compare) {
 
 TEST(Intersections, LieWithinTheIntervalOfTheRoot) {
   float worst = 0;
-  const float width = for_each_hit({}, [&](const RayPoints& points, const Intersection& hit) {
+  const float width = for_each_hit([&](const RayPoints& points, const Intersection& hit) {
     worst = std::max(worst, std::abs(hit.depth - bisected(points, hit.depth - 0.3F, hit.depth + 0.3F)));
   });
-  EXPECT_LE(worst, IntersectionSettings{}.interval * width);
-}
-
-/// Largest MLS value at an intersection after at most `iterations` steps, mm. The search stops early only at a
-/// hundredth of the usual interval.
-float worst_value_after(std::uint32_t iterations) {
-  IntersectionSettings settings;
-  settings.interval = 0.001F;
-  settings.max_iterations = iterations;
-  float worst = 0;
-  for_each_hit(settings, [&](const RayPoints& points, const Intersection& hit) {
-    worst = std::max(worst, std::abs(mls_value(points, window(points, hit.depth, hit.depth), hit.depth).distance));
-  });
-  return worst;
-}
-
-TEST(Intersections, TakeAtMostTheAllowedIterationsAndTenAreEnough) {
-  const float none = worst_value_after(0);
-  EXPECT_GT(none, 0.05F) << "without an iteration the root is the middle of two queries";
-  EXPECT_LT(worst_value_after(1), 0.5F * none);
-  EXPECT_LT(worst_value_after(10), 0.005F);
+  EXPECT_LE(worst, RaySolver::kInterval * width);
 }
 
 TEST(Intersections, BesideAVerticalWallAreThoseOfTheTopAndTheBottom) {
@@ -314,8 +284,6 @@ TEST(Intersections, BesideAVerticalWallAreThoseOfTheTopAndTheBottom) {
       const double y = random.uniform(3, 9);
       const RaySurface inside = laboratory.shoot(2 + off * spacing, y);
       ASSERT_EQ(inside.intersections.size(), 2U) << off << " spacings inside the wall";
-      EXPECT_EQ(inside.intersections[0].direction, Direction::kEntering);
-      EXPECT_EQ(inside.intersections[1].direction, Direction::kExiting);
       if (off >= 5) {
         EXPECT_NEAR(inside.intersections[0].depth, 2, 0.01);
         EXPECT_NEAR(inside.intersections[1].depth, 10, 0.01);

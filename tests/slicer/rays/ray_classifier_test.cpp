@@ -30,10 +30,14 @@ std::vector<float> crossings(const Surface& surface) {
   grid.columns = grid.rows = 100;
   grid.layers = 200;
   grid.pitch_x_mm = grid.pitch_y_mm = 0.2F;
-  RayClassifierSettings settings;
-  settings.intersections.width = 0.3F;
-  RayClassifier classifier =
-      value_of(RayClassifier::create(cloud, tree, winding, grid, kRadius, cloud.size, settings, arena));
+  const RayField field{.cloud = &cloud,
+                       .tree = &tree,
+                       .winding = &winding,
+                       .grid = grid,
+                       .width = 0.3F,
+                       .max_radius = kRadius,
+                       .tile_capacity = cloud.size};
+  RayClassifier classifier = value_of(RayClassifier::create(field, arena));
   classifier.begin_tile(48, 48);
   std::vector<float> depths;
   for (const RayCrossing& crossing : classifier.ray(50, 50).crossings) depths.push_back(crossing.depth);

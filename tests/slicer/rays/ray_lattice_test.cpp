@@ -34,10 +34,14 @@ class LatticeLaboratory {
     PrintGrid grid;
     grid.columns = grid.rows = grid.layers = 400;
     grid.pitch_x_mm = grid.pitch_y_mm = grid.layer_height_mm = kPitch;
-    RayClassifierSettings settings;
-    settings.intersections.width = 2 * static_cast<float>(spacing);
-    classifier_ =
-        value_of(RayClassifier::create(cloud_, tree_, winding_, grid, radius, cloud_.size, settings, *arena_));
+    const RayField field{.cloud = &cloud_,
+                         .tree = &tree_,
+                         .winding = &winding_,
+                         .grid = grid,
+                         .width = 2 * static_cast<float>(spacing),
+                         .max_radius = radius,
+                         .tile_capacity = cloud_.size};
+    classifier_ = value_of(RayClassifier::create(field, *arena_));
   }
 
   /// Decides the tile that begins at this pixel. Counts how its rays were decided, and compares them.
