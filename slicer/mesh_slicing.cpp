@@ -14,9 +14,6 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "mesh";
-/// Cells between the sections that are compared with the one at the base plane.
-constexpr float kSectionCells = 2;
 /// Cells along the longest side of a mesh, if the winding number follows its rim.
 constexpr float kRimCells = 256;
 /// Share of the time of turning a mesh that reading it takes.
@@ -116,7 +113,7 @@ class MeshStages {
 
   Status make_doubtful() {
     const auto words =
-        arena_.take_top<std::uint64_t>(BitImage::words_needed(hits_.tile_columns(), hits_.tile_rows()), kStage);
+        arena_.take_top<std::uint64_t>(BitImage::words_needed(hits_.tile_columns(), hits_.tile_rows()), "mesh");
     PLUMBLINE_TRY(words);
     field_.doubtful = BitImage(*words, hits_.tile_columns(), hits_.tile_rows());
     field_.doubtful.clear();
@@ -159,8 +156,7 @@ class MeshStages {
     winding_ = WindingTree::build(dipoles->cloud, *nodes);
     field_.cell = dipoles->cell;
     if (settings_.base != BaseChoice::kNone) {
-      report_.flat_underside =
-          winding_.set_base(box_.low[2], kSectionCells * field_.cell, settings_.base == BaseChoice::kFlat);
+      report_.flat_underside = winding_.set_base(box_.low[2], field_.cell, settings_.base == BaseChoice::kFlat);
     }
     return make_doubtful();
   }
@@ -183,7 +179,7 @@ class MeshStages {
 
 Expected<MeshHint> hint_of_files(MeshFiles& files, Arena& arena) {
   const std::size_t bottom = arena.bottom_mark();
-  const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
+  const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, "mesh");
   PLUMBLINE_TRY(workspace);
   const auto hint = files.hint(*workspace);
   arena.release_bottom(bottom);

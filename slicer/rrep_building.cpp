@@ -31,10 +31,6 @@ constexpr std::uint32_t kWidest = 100;
 constexpr float kLayerShare = 1.0F / 50;
 constexpr float kNoiseShare = 1.0F / 10;
 
-/// Distance between the sections that are compared with the one at the base plane, in epsilons. Two: beyond the supports of
-/// the points at the rim.
-constexpr float kSectionEpsilons = 2;
-
 /// mm; below it the grid width w is 0 but for rounding: there are too few practical points for one.
 constexpr float kLeastWidth = 1e-4F;
 
@@ -93,8 +89,7 @@ class RayStages {
     PLUMBLINE_TRY(nodes);
     winding_ = WindingTree::build(cloud_, *nodes);
     if (settings_.base == BaseChoice::kNone) return {};
-    report_.flat_underside =
-        winding_.set_base(base_height_, kSectionEpsilons * epsilon_mm(), settings_.base == BaseChoice::kFlat);
+    report_.flat_underside = winding_.set_base(base_height_, epsilon_mm(), settings_.base == BaseChoice::kFlat);
     return {};
   }
 

@@ -8,8 +8,6 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "winding number";
-
 /// Of what fills up the last lanes: not 0, by which the lean divides.
 constexpr float kNoArea = 1e-30F;
 
@@ -68,7 +66,7 @@ std::size_t ColumnWinding::bytes_needed() { return Arena::rounded(kColumns * kPo
 
 Expected<ColumnWinding> ColumnWinding::create(const WindingTree& tree, Arena& arena) {
   ColumnWinding winding;
-  PLUMBLINE_TRY(arena.take_top(winding.pool_, kColumns * kPool, kStage));
+  PLUMBLINE_TRY(arena.take_top(winding.pool_, kColumns * kPool, "winding number"));
   winding.tree_ = &tree;
   return winding;
 }

@@ -1,8 +1,5 @@
 #include "slicer/implicit/winding_number.hpp"
 
-#include <cmath>
-#include <numbers>
-
 namespace plumbline {
 namespace {
 
@@ -31,7 +28,7 @@ WindingTree WindingTree::build(const Cloud& cloud, std::span<Node> nodes) {
   return tree;
 }
 
-bool WindingTree::set_base(float height, float step, bool always) {
+bool WindingTree::set_base(float height, float reach, bool always) {
   base_ = height;
   has_base_ = always;
   if (always) return true;
@@ -42,7 +39,7 @@ bool WindingTree::set_base(float height, float step, bool always) {
   };
   has_base_ = is_underside_open([&](std::uint32_t section) {
     const float least = section == 0 ? kBaseOpen : kSurface;
-    const float z = height + static_cast<float>(section) * step;
+    const float z = height + 2 * static_cast<float>(section) * reach;
     std::uint32_t count = 0;
 #pragma omp parallel for schedule(dynamic, 16) reduction(+ : count)
     for (std::uint32_t i = 0; i < kBaseSamples * kBaseSamples; ++i) {

@@ -46,7 +46,6 @@ bool is_underside_open(Count count) {
 /// a_i is the area of point i, mm^2: that of the disc of its support radius, divided by the number of points in the disc.
 class WindingTree {
  public:
-  static constexpr std::uint32_t kLeafPoints = 8;
   static constexpr float kSurface = 0.5F;  ///< value at the surface: halfway between outside and inside
   using Node = DipoleNode;
 
@@ -62,10 +61,10 @@ class WindingTree {
   /// closed flat. A closed object on the plane is not affected, since outside of it its mirror image has winding number 0.
   ///
   /// @param height  mm
-  /// @param step    mm between the sections that are compared, from the plane upwards
+  /// @param reach   mm: sections two reaches apart are compared, from the plane upwards, beyond the supports of the points at the rim
   /// @param always  mirror without testing
   /// @returns whether the surface is mirrored
-  bool set_base(float height, float step, bool always = false);
+  bool set_base(float height, float reach, bool always = false);
   bool has_base() const { return has_base_; }
   /// Height of the base plane, mm: everything below is outside. -infinity without a base plane.
   float base() const { return has_base_ ? base_ : -std::numeric_limits<float>::infinity(); }
@@ -105,7 +104,7 @@ class WindingTree {
   }
 
  private:
-  using Tree = DipoleTree<kLeafPoints>;
+  using Tree = DipoleTree<8>;
 
   /// mm^2
   float area_of(std::uint32_t i) const {

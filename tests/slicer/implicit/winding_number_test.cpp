@@ -68,7 +68,7 @@ TEST(WindingNumber, OfAColumnIsThatOfTheTree) {
   }
   WindingField field(surface);
   for (const bool has_base : {false, true}) {
-    if (has_base) field->set_base(0.5F, 1, true);
+    if (has_base) field->set_base(0.5F, 0.5F, true);
     ColumnWinding column = field.column(13, 10, 0.4F);
     ColumnWinding other = field.column(13, 10, 0.4F);
     Random random(54);
@@ -143,7 +143,7 @@ TEST(WindingNumber, OfAnOpenHemisphereIsOneInsideOnceTheBaseClosesIt) {
   WindingField field(upper_half(sphere(30000, 5, centre), 0));
   const Vec3d inside(10, 10, 1);
   EXPECT_LT(field.at(inside), 0.65);
-  field->set_base(0, 0.5F);
+  field->set_base(0, 0.25F);
   Random random(53);
   for (int i = 0; i < 200; ++i) {
     Vec3d direction = random.vector().normalized();
@@ -165,7 +165,7 @@ TEST(WindingNumber, OfAClosedSphereOnThePlaneDoesNotChangeWithTheBase) {
     places.push_back(place);
     before.push_back(field.at(place));
   }
-  field->set_base(0, 0.5F);
+  field->set_base(0, 0.25F);
   for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(field.at(places[i]), before[i], 0.06);
 }
 
@@ -182,10 +182,10 @@ TEST(WindingNumber, HasABaseForAnOpenUndersideAndNotForAHoleInIt) {
     return open;
   };
   constexpr float kStrayDepth = 1.5F;
-  EXPECT_FALSE(WindingField(whole)->set_base(-kStrayDepth, 1));
-  EXPECT_FALSE(WindingField(without_disc(2))->set_base(-kStrayDepth, 1));
-  EXPECT_TRUE(WindingField(without_disc(2))->set_base(-kStrayDepth, 1, true)) << "asked for";
-  EXPECT_TRUE(WindingField(without_disc(20))->set_base(0, 1));
+  EXPECT_FALSE(WindingField(whole)->set_base(-kStrayDepth, 0.5F));
+  EXPECT_FALSE(WindingField(without_disc(2))->set_base(-kStrayDepth, 0.5F));
+  EXPECT_TRUE(WindingField(without_disc(2))->set_base(-kStrayDepth, 0.5F, true)) << "asked for";
+  EXPECT_TRUE(WindingField(without_disc(20))->set_base(0, 0.5F));
 }
 
 /// Height at which the vertical line through the middle of a hole passes the surface that closes the hole, mm.
