@@ -63,9 +63,7 @@ Expected<Placement> place_coarsely(const Box3d& bounds, double unit_mm, const Pl
 Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, ScanSources sources,
                                             SliceSettings settings, Arena& arena, ProgressSink* progress,
                                             InspectReport& report, bool& prepared) {
-  PLUMBLINE_TRY(check_units(sources, settings.placement.units, report));
-  settings.placement = heed_header(settings.placement, report.scan.header);
-  const auto mesh = turn_mesh(files, survey, settings, arena, progress, report);
+  const auto mesh = prepare_mesh(files, survey, sources, settings, arena, progress, report);
   PLUMBLINE_TRY(mesh);
   PLUMBLINE_TRY(check_extent(mesh->bounds, sources));
   report.bounds = report.bounds_with_noise = mesh->bounds;

@@ -6,7 +6,6 @@
 #include "slicer/mesh/hit_resolver.hpp"
 #include "slicer/mesh/mesh_dipoles.hpp"
 #include "slicer/mesh/mesh_reading.hpp"
-#include "slicer/orientation/orientations.hpp"
 #include "slicer/plan/mesh_plan.hpp"
 #include "slicer/preparation.hpp"
 #include "slicer/reader/scan_reader.hpp"
@@ -260,18 +259,19 @@ Expected<Cloud> mesh_cloud(MeshFiles& files, const MeshSurvey& survey, Arena& ar
   return dipoles->cloud;
 }
 
-Expected<MeshSurvey> turn_mesh(MeshFiles& files, const MeshSurvey& survey, SliceSettings& settings, Arena& arena,
-                               ProgressSink* progress, PreparationCounts& report) {
+Expected<MeshSurvey> prepare_mesh(MeshFiles& files, const MeshSurvey& survey, ScanSources sources,
+                                  SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                                  PreparationCounts& report) {
+  PLUMBLINE_TRY(check_units(sources, settings.placement.units, report));
+  settings.placement = heed_header(settings.placement, report.scan.header);
   if (!settings.orient) return survey;
   {
     const ArenaScope scope(arena);
     const auto cloud = mesh_cloud(files, survey, arena, progress, report);
     PLUMBLINE_TRY(cloud);
-    const auto samples = sample_surface(*cloud, arena);
-    PLUMBLINE_TRY(samples);
-    const auto best = best_orientations(*samples, {progress, Stage::kNormals, kCloudRead, 1});
-    if (!best) return fail(ErrorCode::kCancelled, "cancelled while looking for the best orientation");
-    report.turned = best->front();
+    const auto best = best_way_up(*cloud, arena, {progress, Stage::kNormals, kCloudRead, 1});
+    PLUMBLINE_TRY(best);
+    report.turned = *best;
   }
   settings.placement.rotation_degrees = {report.turned->degrees[0], report.turned->degrees[1], 0};
   return survey_files(files, settings, survey.most_vertices, arena, progress, report);

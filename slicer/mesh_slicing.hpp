@@ -43,12 +43,14 @@ auto read_mesh_or_scan(ScanSources given, const SliceSettings& settings, Arena& 
 [[nodiscard]] Expected<Cloud> mesh_cloud(MeshFiles& files, const MeshSurvey& survey, Arena& arena,
                                          ProgressSink* progress, PreparationCounts& report);
 
-/// Turns a mesh the best way up if `settings.orient` asks for it: reads it twice, to find the way and to measure it anew.
-/// @param settings  placement.rotation_degrees is 0 before, and that way after
+/// Checks the units, and turns the mesh the best way up if `settings.orient` asks for it: reads it twice, to find the way and to measure
+/// it anew.
+/// @param settings  placement gets the unit of the format, and that way; its rotation_degrees are 0 before
 /// @param report    turned is set
 /// @returns the survey of the mesh as it stands then
-[[nodiscard]] Expected<MeshSurvey> turn_mesh(MeshFiles& files, const MeshSurvey& survey, SliceSettings& settings,
-                                             Arena& arena, ProgressSink* progress, PreparationCounts& report);
+[[nodiscard]] Expected<MeshSurvey> prepare_mesh(MeshFiles& files, const MeshSurvey& survey, ScanSources sources,
+                                                SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                                                PreparationCounts& report);
 
 /// Reads the placed mesh once more, three or four times if it has holes, and finds the crossings of all rays.
 /// @param settings  as returned by set_threads()

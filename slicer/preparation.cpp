@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "slicer/cloud/cloud_reader.hpp"
 #include "slicer/core/stage_scope.hpp"
@@ -20,9 +19,6 @@ namespace {
 /// The first cell of the thinning is this share of the pixel pitch or of the layer height, the smaller of the two, so that
 /// no points are merged that a print could resolve.
 constexpr double kCellShare = 0.5;
-
-/// Share of the views stage's time that aligning takes, for its progress. Building the tree anew takes the rest.
-constexpr double kAligned = 0.85;
 
 /// An object whose longest side has fewer pixels is in another unit: nobody wants to print one so small.
 constexpr double kFewestPixels = 8;
@@ -153,16 +149,10 @@ class Preparation {
   }
 
   Status turn() {
-    {
-      const ArenaScope scope(arena_);
-      const auto samples = sample_surface(scan_.cloud, arena_);
-      PLUMBLINE_TRY(samples);
-      const auto best = best_orientations(*samples, {progress_, Stage::kNormals});
-      if (!best) return fail(ErrorCode::kCancelled, "cancelled while looking for the best orientation");
-      report_.turned = best->front();
-    }
-    const auto& degrees = report_.turned->degrees;
-    rotate(scan_, rotation_matrix({degrees[0], degrees[1], 0}));
+    const auto best = best_way_up(scan_.cloud, arena_, {progress_, Stage::kNormals});
+    PLUMBLINE_TRY(best);
+    report_.turned = *best;
+    rotate(scan_, rotation_matrix({best->degrees[0], best->degrees[1], 0}));
     arena_.release_top(before_tree_);
     return build_tree({progress_, Stage::kNormals});
   }
@@ -170,7 +160,7 @@ class Preparation {
   Status align() {
     const StageScope stage(Stage::kViews, arena_, progress_, report_.peak_bytes);
     const StageProgress progress{progress_, Stage::kViews};
-    const auto views = align_views(scan_.cloud, *tree_, arena_, progress.part(0, kAligned));
+    const auto views = align_views(scan_.cloud, *tree_, arena_, progress.part(0, 0.85));
     PLUMBLINE_TRY(views);
     report_.views = *views;
     const std::size_t tree = before_tree_ - arena_.top_mark();
@@ -183,7 +173,7 @@ class Preparation {
     report_.lengths.views_ripple = {views->ripple};
     if (!(views->moved > 0)) return {};
     arena_.release_top(before_tree_);
-    return build_tree(progress.part(kAligned, 1));
+    return build_tree(progress.part(0.85, 1));
   }
 
   Status find_surface(Measurement measure) {
@@ -277,6 +267,15 @@ Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena
     return Preparation(given, settings, arena, progress, report).run_normals(look);
   };
   return read_mesh_or_scan(sources, settings, arena, progress, report, of_mesh, of_scan);
+}
+
+Expected<Orientation> best_way_up(const Cloud& cloud, Arena& arena, const StageProgress& progress) {
+  const ArenaScope scope(arena);
+  const auto samples = sample_surface(cloud, arena);
+  PLUMBLINE_TRY(samples);
+  const auto best = best_orientations(*samples, progress);
+  if (!best) return fail(ErrorCode::kCancelled, "cancelled while looking for the best orientation");
+  return best->front();
 }
 
 Status check_units(ScanSources sources, Units units, bool some_in_mm, bool some_in_any_unit) {

@@ -54,6 +54,10 @@ using NormalsLook = FunctionRef<Status(const PreparedScan& scan)>;
 [[nodiscard]] Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                      ProgressSink* progress, PreparationReport& report, NormalsLook look);
 
+/// The best way up of a surface with normals.
+/// @retval ErrorCode::kOutOfMemory, kCancelled
+[[nodiscard]] Expected<Orientation> best_way_up(const Cloud& cloud, Arena& arena, const StageProgress& progress);
+
 /// Tests that files whose format fixes their unit share a frame only with others of that unit.
 /// @param some_in_mm        some files are of such a format
 /// @param some_in_any_unit  some are not

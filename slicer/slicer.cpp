@@ -15,8 +15,8 @@ Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settin
     Box3d side;  // the other sides depend on the object's extents
     side.extend(Vec3d::Zero());
     side.extend(Vec3d::Unit(static_cast<int>(settings.size->side)));
-    const auto placed = place(side, 1, settings);
-    return placed ? Status() : Status(tl::unexpected<Error>(placed.error()));
+    PLUMBLINE_TRY(place(side, 1, settings));
+    return {};
   }
   if (settings.fit || settings.size || settings.units == Units::kAuto) return {};
   const auto core = core_bounds(scan.cloud.positions(), arena);
@@ -25,8 +25,8 @@ Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settin
   if (place(scan.in_scan(*core), unit_mm, settings)) return {};
   const auto object = dense_bounds(scan.cloud.positions(), *core, arena);
   PLUMBLINE_TRY(object);
-  const auto placed = place(scan.in_scan(*object), unit_mm, settings);
-  return placed ? Status() : Status(tl::unexpected<Error>(placed.error()));
+  PLUMBLINE_TRY(place(scan.in_scan(*object), unit_mm, settings));
+  return {};
 }
 
 Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
@@ -56,12 +56,9 @@ Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSett
 Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, ScanSources sources,
                                             SliceSettings settings, Arena& arena, ProgressSink* progress,
                                             SliceReport& report) {
-  PLUMBLINE_TRY(check_units(sources, settings.placement.units, report));
-  const bool is_in_mm = report.scan.header.is_in_mm;
-  settings.placement = heed_header(settings.placement, report.scan.header);
-  const auto mesh = turn_mesh(files, survey, settings, arena, progress, report);
+  const auto mesh = prepare_mesh(files, survey, sources, settings, arena, progress, report);
   PLUMBLINE_TRY(mesh);
-  PLUMBLINE_TRY(check_no_speck(mesh->bounds, sources, settings.placement, is_in_mm));
+  PLUMBLINE_TRY(check_no_speck(mesh->bounds, sources, settings.placement, report.scan.header.is_in_mm));
   report.units = units_of(mesh->bounds, settings.placement);
   report.units_guessed = settings.placement.units == Units::kAuto && !settings.placement.size;
   const auto placement = place(mesh->bounds, millimetres_per(report.units), settings.placement);

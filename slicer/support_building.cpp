@@ -1,7 +1,6 @@
 #include "slicer/support_building.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/supports/stand.hpp"

@@ -13,9 +13,7 @@
 namespace plumbline {
 namespace {
 
-/// The estimate of the hits is good to a few percent, so a refusal and a plan leave that much on either side.
-constexpr double kSureShare = 0.95;
-constexpr double kPlannedShare = 1.05;
+constexpr double kHitsError = 0.05;  ///< of the estimate, at most: a refusal and a plan leave that much on either side
 /// More than any arena holds, and so few that no sum of bytes overflows.
 constexpr double kMostHits = static_cast<double>(std::numeric_limits<std::size_t>::max() / 64);
 
@@ -51,8 +49,8 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
 Status admit_mesh(const MeshNeed& need, std::uint32_t threads, const Arena& arena,
                   std::array<std::size_t, kStageCount>& planned_bytes) {
   const auto scaled = [&](double share) { return MeshNeed{need.most_vertices, need.grid, share * need.hits}; };
-  planned_bytes = plan_mesh(scaled(kPlannedShare), threads).bytes;
-  const MemoryPlan sure = plan_mesh(scaled(kSureShare), threads);
+  planned_bytes = plan_mesh(scaled(1 + kHitsError), threads).bytes;
+  const MemoryPlan sure = plan_mesh(scaled(1 - kHitsError), threads);
   if (sure.peak() <= arena.available()) return {};
   const auto stage = to_string(sure.widest());
   return telling(

@@ -25,9 +25,8 @@ struct SeenSurface {
       const double slope = cloud.normal[i].unpack()[2];
       (slope > 0 ? exiting : entering) += radius * radius * std::abs(slope) * cloud.normal[i].weight;
     }
-    constexpr double kPi = std::numbers::pi;
     const double pixel_mm2 = static_cast<double>(object.grid.pitch_x_mm) * static_cast<double>(object.grid.pitch_y_mm);
-    const double rays = kPi / (cloud.support_points * pixel_mm2);
+    const double rays = std::numbers::pi / (cloud.support_points * pixel_mm2);
     entering *= rays;
     exiting *= rays;
   }
