@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 
 namespace plumbline {
 namespace {
@@ -22,15 +23,10 @@ constexpr std::uint64_t kFewest = 200;  ///< points in the walls' bins; with few
 
 /// Height of the lowest point after the kOutliers lowest.
 float lowest_without_outliers(std::span<const Vec3f> points) {
-  std::array<float, kOutliers + 1> lowest{};  // a heap, the highest first
-  std::size_t count = 0;
-  for (const Vec3f& p : points) {
-    if (count == lowest.size() && p[2] >= lowest[0]) continue;
-    if (count == lowest.size()) std::pop_heap(lowest.begin(), lowest.begin() + count--);
-    lowest[count++] = p[2];
-    std::push_heap(lowest.begin(), lowest.begin() + count);
-  }
-  return lowest[0];
+  std::array<Vec3f, kOutliers + 1> lowest;
+  const auto lower = [](const Vec3f& a, const Vec3f& b) { return a[2] < b[2]; };
+  const auto end = std::partial_sort_copy(points.begin(), points.end(), lowest.begin(), lowest.end(), lower);
+  return (*std::prev(end))[2];
 }
 
 }  // namespace

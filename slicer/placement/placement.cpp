@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "slicer/core/numbers/degrees.hpp"
 
@@ -145,28 +146,25 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
     if (settings.fit) {
       factor = largest * kClear;
     } else if (factor > largest) {
-      static constexpr std::array<const char*, 3> kAxis = {"wide (x)", "deep (y)", "high (z)"};
-      static constexpr std::array kTold = {std::pair(ToldCode::kTooWide, Fact::kWidthMm),
-                                           std::pair(ToldCode::kTooDeep, Fact::kDepthMm),
-                                           std::pair(ToldCode::kTooHigh, Fact::kHeightMm)};
+      static constexpr std::array kAxes = {std::tuple("wide (x)", ToldCode::kTooWide, Fact::kWidthMm),
+                                           std::tuple("deep (y)", ToldCode::kTooDeep, Fact::kDepthMm),
+                                           std::tuple("high (z)", ToldCode::kTooHigh, Fact::kHeightMm)};
       int worst = 0;
       for (int a = 1; a < 3; ++a) {
         if (extent[a] * room[worst] > extent[worst] * room[a]) worst = a;
       }
       const double least = settings.size ? settings.size->mm / factor : 1;
       const char* const option = settings.size ? to_string(settings.size->side) : "scale";
-      const auto [code, side] = kTold[static_cast<std::size_t>(worst)];
+      const auto [axis, code, side] = kAxes[static_cast<std::size_t>(worst)];
       return telling(
           Told(code, {{side, extent[worst] * factor},
                       {Fact::kLimitMm, room[worst]},
                       {Fact::kExcessMm, extent[worst] * factor - room[worst]}}),
           fail(ErrorCode::kDoesNotFit,
                "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much.\tUse --%s %.4g%s "
-               "or less, "
-               "--fit, or rotate it",
-               extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
-               extent[worst] * factor - room[worst], option, rounded_down(largest * kClear * least),
-               settings.size ? "mm" : ""));
+               "or less, --fit, or rotate it",
+               extent[worst] * factor, axis, room[worst], extent[worst] * factor - room[worst], option,
+               rounded_down(largest * kClear * least), settings.size ? "mm" : ""));
     }
     p.size_mm = extent * factor;
     p.grid.layers = cells(p.size_mm[2], lh);
@@ -194,13 +192,13 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
       p.grid.layers > PrintGrid::kMaxLayers) {
     const double most = std::min({(PrintGrid::kMaxSide - 2.0 * margin) * pitch / std::max(extent[0], extent[1]),
                                   PrintGrid::kMaxLayers * static_cast<double>(settings.layer_height_mm) / extent[2]});
-    return fail(ErrorCode::kDoesNotFit,
-                "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layers of %.4g mm; the "
-                "limit is "
-                "%u x %u pixels and %u layers.\tUse --scale %.4g or less, a coarser --pixel-pitch, or check --units",
-                p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
-                static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide,
-                PrintGrid::kMaxLayers, rounded_down(most * kClear));
+    return fail(
+        ErrorCode::kDoesNotFit,
+        "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layers of %.4g mm; the "
+        "limit is %u x %u pixels and %u layers.\tUse --scale %.4g or less, a coarser --pixel-pitch, or check --units",
+        p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
+        static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide, PrintGrid::kMaxLayers,
+        rounded_down(most * kClear));
   }
   p.shift = Vec3d(margin * pitch, margin * pitch, 0) - low;
   return p;
