@@ -198,15 +198,6 @@ void plan_rrep(const CrossingStore& store, const Arena& arena, SliceReport& repo
       arena.used() - store.bytes() + rrep_stage_bytes(grid, store.bytes(), yield);
 }
 
-/// A mesh is printed as it is, however small its parts are.
-Expected<RRep> finish_mesh(CrossingStore& store, Arena& arena, SliceReport& report) {
-  auto rrep = CrossingStore::sort(store, arena);
-  PLUMBLINE_TRY(rrep);
-  rrep->is_exact = true;
-  PLUMBLINE_TRY(trim(*rrep, arena, report));
-  return rrep;
-}
-
 }  // namespace
 
 Expected<CrossingStore> shoot_rays(Cloud& cloud, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
@@ -217,14 +208,16 @@ Expected<CrossingStore> shoot_rays(Cloud& cloud, const SliceSettings& settings, 
 Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                            SliceReport& report) {
   const StageScope stage(Stage::kRRep, arena, progress, report.peak_bytes);
-  if (report.mesh) return finish_mesh(store, arena, report);
-  plan_rrep(store, arena, report);
-  ComponentLimits limits = component_limits(report.lengths.epsilon, report.placement.grid);
-  limits.drop_floating = !settings.keep_all;
-  report.components = drop_small_components(store, limits, arena);
+  if (!report.mesh) {
+    plan_rrep(store, arena, report);
+    ComponentLimits limits = component_limits(report.lengths.epsilon, report.placement.grid);
+    limits.drop_floating = !settings.keep_all;
+    report.components = drop_small_components(store, limits, arena);
+  }
   auto rrep = CrossingStore::sort(store, arena);
   PLUMBLINE_TRY(rrep);
-  drop_features(*rrep, settings, arena, report);
+  rrep->is_exact = report.mesh.has_value();  // a mesh is printed as it is, however small its parts are
+  if (!report.mesh) drop_features(*rrep, settings, arena, report);
   PLUMBLINE_TRY(trim(*rrep, arena, report));
   return rrep;
 }

@@ -257,15 +257,15 @@ void RayLattice::decide(RayClassifier& classifier, std::uint32_t column, std::ui
 void RayLattice::decide_tile() {
   const Square tile{0, 0, kSide};
   const bool whole = predict(tile) && fit_polynomials();
-  for (std::size_t quarter = 0; quarter < 4; ++quarter) {
-    constexpr std::int32_t kHalf = kSide / 2;
-    const Square square{quarter % 2 == 0 ? 0 : kHalf, quarter < 2 ? 0 : kHalf, kHalf};
+  for (std::int32_t quarter = 0; quarter < 4; ++quarter) {
+    const std::int32_t half = kSide / 2;
+    const Square square{quarter % 2 * half, quarter / 2 * half, half};
     if (!whole) {
       decide_square(square);
       continue;
     }
-    const std::int32_t c = kTests[quarter % 2];
-    const std::int32_t r = kTests[quarter / 2];
+    const std::int32_t c = kTests[static_cast<std::size_t>(quarter % 2)];
+    const std::int32_t r = kTests[static_cast<std::size_t>(quarter / 2)];
     if (!guide(c, r)) continue;
     if (farthest_from_prediction(c, r) <= tolerance_) {
       interpolate(square);
