@@ -233,17 +233,42 @@ class ViewFinder {
     }
     for (std::uint32_t v = 0; v < views_; ++v) {
       const std::uint32_t before = views_;
+      ViewPoints points = count_on_each(grids_[v]);
       for (std::uint32_t w = 0; w < views_;) {
-        if (w == v || !is_part(w, v)) {
+        if (w == v || points.on[w] * 2 <= points.all[w]) {
           ++w;
           continue;
         }
         remove(w);
+        points.on[w] = points.on[views_];
+        points.all[w] = points.all[views_];
         if (v == views_) v = w;
       }
       if (views_ < before) grow_again(v);
     }
     return true;
+  }
+
+  /// Of each view, in every `thinning_`-th block of the cloud: its points, and those of them that lie on a grid.
+  struct ViewPoints {
+    std::array<std::uint32_t, kNoView + 1> all = {}, on = {};
+  };
+  ViewPoints count_on_each(const GrownGrid& grid) const {
+    ViewPoints points;
+    const auto most = static_cast<float>(grid.tolerance * grid.tolerance);
+    std::uint32_t* const all = points.all.data();
+    std::uint32_t* const on = points.on.data();
+#pragma omp parallel for schedule(static) reduction(+ : all[:kNoView + 1], on[:kNoView + 1])
+    for (std::uint32_t first = 0; first < cloud_.size; first += thinning_ * kBlock) {
+      const auto of = views_of_block(first);
+      std::array<float, kBlock> distances2;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      distances2_within(grid.grid, grid.radius, cloud_.positions().subspan(first, of.size()), distances2);
+      for (std::size_t k = 0; k < of.size(); ++k) {
+        ++all[of[k]];
+        on[of[k]] += distances2[k] <= most ? 1 : 0;
+      }
+    }
+    return points;
   }
 
   /// Removes a view. The last view takes over its number.
@@ -283,16 +308,6 @@ class ViewFinder {
       vain = most - before < before / kHardlyMore ? vain + 1 : 0;
     }
     if (!claim(view, best)) grids_[view].tolerance = 0;
-  }
-
-  /// Whether most of a view's points lie on another view's grid.
-  bool is_part(std::uint32_t part, std::uint32_t view) const {
-    std::uint32_t of_part = 0;
-    for (std::uint32_t first = 0; first < cloud_.size; first += thinning_ * kBlock) {
-      const auto of = views_of_block(first);
-      of_part += static_cast<std::uint32_t>(std::count(of.begin(), of.end(), part));
-    }
-    return count_on(grids_[view], part) * 2 > of_part;
   }
 
   /// Gives each point to the view whose grid is nearest, whichever view was found first.
