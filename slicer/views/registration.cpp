@@ -21,6 +21,8 @@ constexpr const char* kStage = "views";
 constexpr std::array<std::uint32_t, 5> kPlaces = {4096, 4096, 8192, 8192, 16384};
 /// The same after the last step. They show how much closer the views have come, which decides whether the views are moved.
 constexpr std::uint32_t kLastPlaces = kPlaces.front();
+/// Places whose points are kept. Each step measures them, or a part of them that is evenly spread.
+constexpr std::uint32_t kKept = 8192;
 constexpr std::uint32_t kMotionSample = 65536;  ///< points, at least, whose motions are averaged
 constexpr std::uint32_t kChunk = 64;            ///< places measured in parallel before they are summed up in order
 constexpr std::size_t kStepsWithoutRipple = 2;  ///< first steps: the residuals of misaligned views look like ripple
@@ -92,8 +94,10 @@ class Registrar {
     constexpr std::size_t kSteps = kPlaces.size();
     for (std::size_t step = 0; step <= kSteps; ++step) {
       const double done = static_cast<double>(step);
-      const auto mean_square = measure_places(step < kSteps ? kPlaces[step] : kLastPlaces,
-                                              progress.part(done / (kSteps + 1), (done + 1) / (kSteps + 1)));
+      const auto mean_square =
+          measure_places(step < kSteps ? kPlaces[step] : kLastPlaces,
+                         {.equations = step < kSteps, .images = step < kSteps && step >= kStepsWithoutRipple},
+                         progress.part(done / (kSteps + 1), (done + 1) / (kSteps + 1)));
       PLUMBLINE_TRY(mean_square);
       if (!(*mean_square > 0)) return Registration{};
       result.after = static_cast<float>(std::sqrt(*mean_square));
@@ -117,6 +121,8 @@ class Registrar {
     PLUMBLINE_TRY(arena.take_top(products_, 36 * views * views, kStage));
     PLUMBLINE_TRY(arena.take_top(residuals_, 6 * views, kStage));
     PLUMBLINE_TRY(arena.take_top(places_, kChunk, kStage));
+    PLUMBLINE_TRY(arena.take_top(kept_, kKept, kStage));
+    for (PlacePoints& kept : kept_) kept.size = PlacePoints::kUnknown;
     PLUMBLINE_TRY(arena.take_top(frames_, views, kStage));
     PLUMBLINE_TRY(arena.take_top(cells_, views * DepthImage::kCells, kStage));
     PLUMBLINE_TRY(arena.take_top(searches_, static_cast<std::size_t>(omp_get_max_threads()), kStage));
@@ -140,8 +146,12 @@ class Registrar {
     return {frames_[view], cells_.subspan(view * DepthImage::kCells, DepthImage::kCells)};
   }
 
-  /// @param most  places to measure
-  Expected<double> measure_places(std::uint32_t most, const StageProgress& progress) {
+  struct Wanted {
+    bool equations, images;
+  };
+  /// @param most    places to measure
+  /// @param wanted  what to sum up
+  Expected<double> measure_places(std::uint32_t most, const Wanted& wanted, const StageProgress& progress) {
     std::fill(products_.begin(), products_.end(), 0);
     std::fill(residuals_.begin(), residuals_.end(), 0);
     std::fill(cells_.begin(), cells_.end(), DepthImage::Cell{});
@@ -154,15 +164,16 @@ class Registrar {
       const std::uint32_t here = std::min(kChunk, places - first);
 #pragma omp parallel
       {
-#pragma omp for schedule(dynamic, 8)
+#pragma omp for schedule(dynamic)
         for (std::uint32_t k = 0; k < here; ++k) {
-          const std::uint32_t i = cloud_.sampled(first + k, places);
-          if (!places_[k].measure(cloud_, tree_, views_, i)) places_[k].views = 0;
+          if (!measure_place(places_[k], first + k, places)) places_[k].views = 0;
         }
         // Each thread sums up for views of its own, always in the order of the places.
         const ViewShare share = ViewShare::of_thread();
         for (const SharedPlace& place : places_.first(here)) {
-          if (place.views >= 2) add(place, share);
+          if (place.views < 2) continue;
+          if (wanted.equations) add_equations(place, share);
+          if (wanted.images) add_offsets(place, share);
         }
       }
       for (const SharedPlace& place : places_.first(here)) {
@@ -174,9 +185,19 @@ class Registrar {
     return count > 0 ? sum / count : 0;
   }
 
-  void add(const SharedPlace& place, const ViewShare& share) {
+  /// Measures place `k` of so many.
+  bool measure_place(SharedPlace& place, std::uint32_t k, std::uint32_t places) {
+    PlacePoints here;
+    const bool is_kept = std::uint64_t{k} * kKept % places == 0;
+    PlacePoints& near = is_kept ? kept_[std::uint64_t{k} * kKept / places] : here;
+    if (near.size == PlacePoints::kUnknown) near.find(cloud_, tree_, views_, cloud_.sampled(k, places));
+    return place.measure(views_, near);
+  }
+
+  void add_equations(const SharedPlace& place, const ViewShare& share) {
     const std::size_t n = residuals_.size();
-    const double* lever = place.lever.data();
+    std::array<double, 6> lever;
+    std::copy(place.lever.begin(), place.lever.end(), lever.begin());
     for (std::uint32_t v = 0; v < place.views; ++v) {
       if (!share.has(place.view[v])) continue;
       const std::size_t row = 6 * std::size_t{place.view[v]};
@@ -190,6 +211,9 @@ class Registrar {
         }
       }
     }
+  }
+
+  void add_offsets(const SharedPlace& place, const ViewShare& share) {
     for (std::uint32_t k = 0; k < place.points; ++k) {
       const std::uint32_t i = place.point[k];
       if (!share.has(views_.view_of(i))) continue;
@@ -278,6 +302,7 @@ class Registrar {
   std::span<double> products_;
   std::span<double> residuals_;
   std::span<SharedPlace> places_;
+  std::span<PlacePoints> kept_;
   std::span<DepthFrame> frames_;
   std::span<DepthImage::Cell> cells_;  ///< of each view's image
   std::span<WaveSearch> searches_;     ///< a thread's each
@@ -292,7 +317,7 @@ class Registrar {
 std::size_t register_views_bytes(std::uint32_t views, std::uint32_t threads) {
   const std::size_t unknowns = 6 * std::size_t{views};
   return MovedViews::bytes(views) + threads * (WaveSearch::bytes() + sizeof(WaveSearch)) +
-         unknowns * (unknowns + 1) * sizeof(double) + kChunk * sizeof(SharedPlace) +
+         unknowns * (unknowns + 1) * sizeof(double) + kChunk * sizeof(SharedPlace) + kKept * sizeof(PlacePoints) +
          views * (sizeof(DepthFrame) + std::size_t{DepthImage::kCells} * sizeof(DepthImage::Cell));
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "slicer/cloud/nearest_in_box.hpp"
+#include "slicer/views/find_views.hpp"
 
 namespace plumbline {
 namespace {
@@ -21,20 +22,38 @@ constexpr double kMinIncidence = 0.5;
 /// Weight of such points. Not 0: they may be all that determines where their view lies.
 constexpr float kGrazingWeight = 0.05F;
 
+/// The rays of each view at a place, where they hardly differ.
+class PlaceRays {
+ public:
+  explicit PlaceRays(const MovedViews& views) : views_(views) {}
+  /// The ray of a point's view, at the first point of it that was asked for.
+  const Vec3d& operator[](std::uint32_t point) {
+    const std::uint8_t view = views_.view_of(point);
+    if ((known_ >> view & 1U) == 0) ray_[view] = views_.ray(point);
+    known_ |= std::uint64_t{1} << view;
+    return ray_[view];
+  }
+
+ private:
+  const MovedViews& views_;
+  std::uint64_t known_ = 0;  ///< a bit a view
+  std::array<Vec3d, kMaxViews> ray_;
+};
+static_assert(kMaxViews <= 64);
+
 }  // namespace
 
-bool SharedPlace::measure(const Cloud& cloud, const KdTree3& tree, const MovedViews& moved_views, std::uint32_t i) {
-  if (moved_views.view_of(i) == kNoView) return false;
+void PlacePoints::find(const Cloud& cloud, const KdTree3& tree, const MovedViews& moved_views, std::uint32_t i) {
+  size = 0;
+  if (moved_views.view_of(i) == kNoView) return;
   NearestRoom room;
   constexpr std::uint32_t kWanted = LocalParaboloid::kMaxPoints;
   const float radius = moved_views.spacing() * std::sqrt(1.7F * kWanted / std::numbers::pi_v<float>);
   const auto nearest = nearest_in_box(cloud.positions(), tree, cloud.position[i], radius, kWanted, room,
                                       [&](std::uint32_t other) { return moved_views.view_of(other) != kNoView; });
   const Vec3f facing = cloud.normal[i].unpack();
-  std::array<Vec3d, LocalParaboloid::kMaxPoints> position;
-  std::array<Vec3d, LocalParaboloid::kMaxPoints> ray;
+  PlaceRays ray(moved_views);
   std::uint32_t bent = 0;
-  points = 0;
   for (const Neighbour& n : nearest) {
     const Vec3f normal = cloud.normal[n.index].unpack();
     const float alike = normal.dot(facing);
@@ -43,25 +62,31 @@ bool SharedPlace::measure(const Cloud& cloud, const KdTree3& tree, const MovedVi
       ++bent;
       continue;
     }
-    ray[points] = moved_views.ray(n.index);
     // A point that faces away from its view is on the view's grid by chance. Such points are few, but where no view saw
     // both an upper and a lower side they alone would determine the distance between the two.
-    if (ray[points].dot(normal.cast<double>()) > 0) continue;
-    position[points] = moved_views.moved_position(n.index, ray[points]);
-    point[points++] = n.index;
+    if (ray[n.index].dot(normal.cast<double>()) > 0) continue;
+    point[size++] = n.index;
   }
-  if (static_cast<float>(bent) > kMaxBentShare * static_cast<float>(nearest.size())) return false;
+  if (static_cast<float>(bent) > kMaxBentShare * static_cast<float>(nearest.size())) size = 0;
+}
+
+bool SharedPlace::measure(const MovedViews& moved_views, const PlacePoints& near) {
+  PlaceRays ray(moved_views);
+  std::array<Vec3d, LocalParaboloid::kMaxPoints> position;
+  for (std::uint32_t k = 0; k < near.size; ++k) {
+    position[k] = moved_views.moved_position(near.point[k], ray[near.point[k]]);
+  }
   LocalParaboloid surface;
-  if (!surface.fit(std::span(position).first(points))) return false;
+  if (!surface.fit(std::span(position).first(near.size))) return false;
   const double weight_here = 1 / (surface.deviation * surface.deviation);
   double weights = 0;
   std::array<double, LocalParaboloid::kMaxPoints> cosine;
   points = surface.size;
   for (std::uint32_t k = 0; k < points; ++k) {
-    cosine[k] = ray[surface.point[k]].dot(surface.normal);
+    point[k] = near.point[surface.point[k]];
+    cosine[k] = ray[point[k]].dot(surface.normal);
     surface.weight[k] = std::abs(cosine[k]) < kMinIncidence ? kGrazingWeight : 1;
     weights += static_cast<double>(surface.weight[k]);
-    point[k] = point[surface.point[k]];  // in place, since surface.point[] ascends
   }
   surface.solve();
   mean_square = 0;
@@ -80,18 +105,19 @@ bool SharedPlace::measure(const Cloud& cloud, const KdTree3& tree, const MovedVi
 void SharedPlace::sum_up(const LocalParaboloid& surface, const MovedViews& moved_views, double weight_here) {
   std::array<Vec6d, kMaxViews> sums;
   std::array<double, kMaxViews> counts = {};
+  std::array<std::uint8_t, plumbline::kMaxViews> place_of;  // of a view in `view`
+  place_of.fill(kNoView);
   views = 0;
   for (std::uint32_t k = 0; k < points; ++k) {
     const std::uint8_t of = moved_views.view_of(point[k]);
-    std::uint32_t v = 0;
-    while (v < views && view[v] != of) ++v;
-    if (v == kMaxViews) continue;
-    if (v == views) {
-      view[v] = of;
-      residuals[v] = 0;
-      sums[v].setZero();
-      ++views;
+    if (place_of[of] == kNoView) {
+      if (views == kMaxViews) continue;
+      place_of[of] = static_cast<std::uint8_t>(views);
+      view[views] = of;
+      residuals[views] = 0;
+      sums[views++].setZero();
     }
+    const std::uint8_t v = place_of[of];
     const auto counted = static_cast<double>(surface.weight[k]);
     residuals[v] += weight_here * counted * static_cast<double>(surface.residual[k]);
     sums[v] += counted * surface.terms(k);
@@ -100,8 +126,8 @@ void SharedPlace::sum_up(const LocalParaboloid& surface, const MovedViews& moved
   const auto factors = surface.gram.ldlt();
   for (std::uint32_t v = 0; v < views; ++v) {
     const Vec6d solved = factors.solve(sums[v]);
-    for (std::uint32_t w = 0; w < views; ++w) {
-      products[v][w] = weight_here * ((v == w ? counts[v] : 0) - solved.dot(sums[w]));
+    for (std::uint32_t w = 0; w <= v; ++w) {
+      products[v][w] = products[w][v] = weight_here * ((v == w ? counts[v] : 0) - solved.dot(sums[w]));
     }
   }
   lever.head<3>() = surface.normal;

@@ -10,6 +10,17 @@
 
 namespace plumbline {
 
+/// The points around a place that a surface goes through. They stay the same while views are moved.
+struct PlacePoints {
+  static constexpr std::uint32_t kUnknown = ~0U;
+
+  std::uint32_t size = kUnknown;  ///< 0 if the place determines nothing
+  std::array<std::uint32_t, LocalParaboloid::kMaxPoints> point;
+
+  /// Finds those around point `i`.
+  void find(const Cloud& cloud, const KdTree3& tree, const MovedViews& moved_views, std::uint32_t i);
+};
+
 /// The points around a place and the smooth surface through them: how far each point is off it, and how its view would
 /// have to move.
 struct SharedPlace {
@@ -31,9 +42,9 @@ struct SharedPlace {
   std::array<double, LocalParaboloid::kMaxPoints> offset;
   std::array<double, LocalParaboloid::kMaxPoints> weight;
 
-  /// Fits the surface around point `i` and sets all of the above.
+  /// Fits the surface through `near` and sets all of the above.
   /// @returns false if the place determines nothing; then the members are not valid
-  bool measure(const Cloud& cloud, const KdTree3& tree, const MovedViews& moved_views, std::uint32_t i);
+  bool measure(const MovedViews& moved_views, const PlacePoints& near);
 
  private:
   void sum_up(const LocalParaboloid& surface, const MovedViews& moved_views, double weight_here);
