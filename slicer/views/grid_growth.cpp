@@ -40,14 +40,10 @@ std::size_t parts_for(std::size_t threads) { return threads > 1 ? threads + 1 : 
 /// The number of points within a distance of the grid, and how many to expect there by chance.
 struct Score {
   double near, chance;
+  Score(std::uint32_t count, double width, std::size_t points)
+      : near(count), chance(std::numbers::pi * width * width * static_cast<double>(points)) {}
   bool is_significant() const { return near - chance > kSignificance * std::sqrt(chance + 1); }
 };
-
-Score score(std::span<const float> distances2, double width) {
-  const auto limit = static_cast<float>(width * width);
-  const auto near = std::count_if(distances2.begin(), distances2.end(), [limit](float d2) { return d2 < limit; });
-  return {static_cast<double>(near), std::numbers::pi * width * width * static_cast<double>(distances2.size())};
-}
 
 /// Whether the pixels around the middle have kept about their size.
 bool keeps_scale(const ViewGrid& grid, const ViewGrid& first) {
@@ -60,12 +56,12 @@ bool keeps_scale(const ViewGrid& grid, const ViewGrid& first) {
 
 std::size_t GridGrowth::bytes(std::uint32_t threads) {
   const std::size_t parts = parts_for(threads);
-  return 4 * kSample * sizeof(float) + parts * (sizeof(Part) + kRoom * (3 * sizeof(float) + sizeof(std::uint32_t)));
+  return 3 * kSample * sizeof(float) + parts * (sizeof(Part) + kRoom * (3 * sizeof(float) + sizeof(std::uint32_t)));
 }
 
 Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
                                         Arena& arena) {
-  const auto room = arena.take_top<float>(4 * kSample, kStage);
+  const auto room = arena.take_top<float>(3 * kSample, kStage);
   PLUMBLINE_TRY(room);
   const Vec3f size = cloud.bounds().size();
   GridGrowth growth(cloud, tree, view_of, 0.5 * std::sqrt(static_cast<double>(size.dot(size))), *room);
@@ -87,9 +83,9 @@ bool GridGrowth::fit(ViewGrid& grid, const LocalPoints& points, double radius) c
       if (*moved < kSettled * width) break;
     }
   }
-  const auto distances2 = room_.first(points.size());
-  distances2_from_grid(grid, points, distances2);
-  return score(distances2, kFinest).is_significant();
+  std::uint32_t near = 0;
+  count_near(grid, points, std::span(&kFinest, 1), std::span(&near, 1));
+  return Score(near, kFinest, points.size()).is_significant();
 }
 
 std::optional<GrownGrid> GridGrowth::grow(ViewGrid grid, double radius, const LocalPoints& points) {
@@ -112,24 +108,18 @@ std::optional<GrownGrid> GridGrowth::grow(ViewGrid grid, double radius, const Lo
 /// Fits the grid once more, then returns the smallest width that holds most of its points, in pixels. 0 if too many
 /// points would lie within it by chance.
 double GridGrowth::tolerance_of(ViewGrid& grid, double radius) {
-  constexpr double kWidest = 0.1;
+  constexpr std::array kTolerances = {0.005, 0.01, 0.02, 0.04, 0.06, 0.1};
   const LocalPoints sample = take_sample(grid.middle, radius);
   for (int k = 0; k < 3; ++k) fit_.improve(grid, sample, radius, kFinest / 2);
-  const auto distances2 = room_.first(sample.size());
-  distances2_from_grid(grid, sample, distances2);
-  const Score wide = score(distances2, kWidest);
-  for (const double width : {0.005, 0.01, 0.02, 0.04, 0.06, kWidest}) {
-    const Score s = score(distances2, width);
+  std::array<std::uint32_t, kTolerances.size()> near = {};
+  count_near(grid, sample, kTolerances, near);
+  const Score wide(near.back(), kTolerances.back(), sample.size());
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    const Score s(near[k], kTolerances[k], sample.size());
     if (s.near - s.chance < kViewShare * (wide.near - wide.chance)) continue;
-    return s.chance < kMaxChance * s.near ? width : 0;
+    return s.chance < kMaxChance * s.near ? kTolerances[k] : 0;
   }
   return 0;
-}
-
-/// Adds a point of another part.
-void GridGrowth::Part::copy(const Part& from, std::size_t k) {
-  for (std::size_t axis = 0; axis < 3; ++axis) at[axis][size] = from.at[axis][k];
-  index[size++] = from.index[k];
 }
 
 /// Doubles the stride.
@@ -138,8 +128,18 @@ void GridGrowth::Part::thin() {
   const std::size_t before = size;
   size = 0;
   for (std::size_t k = 0; k < before; ++k) {
-    if ((index[k] & (stride - 1)) == 0) copy(*this, k);
+    if ((index[k] & (stride - 1)) != 0) continue;
+    for (const std::span<float>& axis : at) axis[size] = axis[k];
+    index[size++] = index[k];
   }
+}
+
+/// Adds the points of another part up to `end`.
+void GridGrowth::Part::take(Part& from, std::size_t end) {
+  const std::size_t count = end - from.taken;
+  for (std::size_t axis = 0; axis < 3; ++axis) std::copy_n(&from.at[axis][from.taken], count, &at[axis][size]);
+  size += count;
+  from.taken = end;
 }
 
 /// Free points around `middle`: all of them, or every second, fourth, and so on, so that they fit.
@@ -171,11 +171,13 @@ const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, s
   if (parts.empty()) return whole;
   for (const Part& part : parts) whole.stride = std::max(whole.stride, part.stride);
   for (;; whole.stride *= 2) {
-    std::size_t size = 0;
+    const bool differ = std::any_of(parts.begin(), parts.end(), [&](const Part& p) { return p.stride < whole.stride; });
+#pragma omp parallel for schedule(dynamic) if (differ)
     for (Part& part : parts) {
       while (part.stride < whole.stride) part.thin();
-      size += part.size;
     }
+    std::size_t size = 0;
+    for (const Part& part : parts) size += part.size;
     if (size <= kSample) break;
   }
   for (;;) {
@@ -186,7 +188,9 @@ const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, s
     }
     if (next == nullptr) return whole;
     const std::uint32_t block = next->index[next->taken] / kBlock;  // all of it is in this part
-    while (next->taken < next->size && next->index[next->taken] / kBlock == block) whole.copy(*next, next->taken++);
+    std::size_t end = next->taken;
+    while (end < next->size && next->index[end] / kBlock == block) ++end;
+    whole.take(*next, end);
   }
 }
 
@@ -194,8 +198,9 @@ const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, s
 void GridGrowth::collect_part(const Vec3f& middle, float radius, std::uint32_t thread, std::uint32_t threads) {
   Part& part = parts_[thread];
   const auto add = [&](std::uint32_t i) {
+    if (view_of_[i] != kNoView) return;
     const Vec3f d = cloud_->position[i] - middle;
-    if (view_of_[i] != kNoView || d.dot(d) > radius * radius) return;
+    if (d.dot(d) > radius * radius) return;
     for (std::size_t axis = 0; axis < 3; ++axis) part.at[axis][part.size] = d[static_cast<Eigen::Index>(axis)];
     part.index[part.size++] = i;
     while (part.size > kSample) part.thin();

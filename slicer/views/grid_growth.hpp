@@ -45,7 +45,7 @@ class GridGrowth {
  private:
   GridGrowth(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of, double extent,
              std::span<float> room)
-      : cloud_(&cloud), tree_(&tree), view_of_(view_of), extent_(extent), fit_(extent, room), room_(room) {}
+      : cloud_(&cloud), tree_(&tree), view_of_(view_of), extent_(extent), fit_(extent, room) {}
   bool fit(ViewGrid& grid, const LocalPoints& points, double radius) const;
   double tolerance_of(ViewGrid& grid, double radius);
   /// What one thread finds of a sample, in the order of the cloud: points whose index is a multiple of `stride`.
@@ -56,8 +56,8 @@ class GridGrowth {
     std::size_t taken = 0;  ///< points that are in the sample already
     std::uint32_t stride = 1;
 
-    void copy(const Part& from, std::size_t k);
     void thin();
+    void take(Part& from, std::size_t end);
   };
   LocalPoints take_sample(const Vec3f& middle, double radius);
   const Part& collect(const Vec3f& middle, float radius, std::uint32_t stride);
@@ -68,7 +68,6 @@ class GridGrowth {
   std::span<const std::uint8_t> view_of_;
   double extent_;  ///< half the diagonal of the scan, mm
   ViewGridFit fit_;
-  std::span<float> room_;  ///< for fit_, and between fits for distances
   std::span<Part> parts_;  ///< of each thread; the last one is the whole
 };
 

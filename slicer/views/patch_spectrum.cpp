@@ -278,20 +278,37 @@ std::span<const SpectrumPeak> PatchSpectrum::peaks(const LocalPoints& points, co
   std::sort(found.begin(), found.end(), is_stronger);
   const float apart = kPeakDistance / radius;
   std::uint32_t kept = 0;
-  for (const SpectrumPeak& c : found) {
-    const Vec3f f = frame.t * c.frequency[0] + frame.s * c.frequency[1] + normal * c.frequency[2];
-    const auto near = [&](const SpectrumPeak& p) {
+  const auto is_near_kept = [&](const Vec3f& f) {
+    return std::any_of(peaks_.begin(), peaks_.begin() + kept, [&](const SpectrumPeak& p) {
       const Vec3f d = p.frequency - f;
       const Vec3f e = p.frequency + f;
       return std::min(d.dot(d), e.dot(e)) < apart * apart;
-    };
-    if (std::any_of(peaks_.begin(), peaks_.begin() + kept, near)) continue;
-    const float in_plane = std::sqrt(c.frequency[0] * c.frequency[0] + c.frequency[1] * c.frequency[1]);
-    const float here = power_at(points, f);
-    const Vec3f aside = f / (radius * in_plane);
-    if (std::min(power_at(points, f + aside), power_at(points, f - aside)) > kMaxStreak * here) continue;
-    peaks_[kept++] = {f, c.power};
-    if (kept == kMaxPeaks) break;
+    });
+  };
+  // As many at once as there are threads, so that one thread looks at none in vain.
+  struct Tried {
+    SpectrumPeak peak;
+    float in_plane;
+    bool streak;
+  };
+  std::array<Tried, kMaxPeaks> tried;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  const std::size_t most = std::min<std::size_t>(kMaxPeaks, static_cast<std::size_t>(omp_get_max_threads()));
+  for (auto next = found.begin(); next != found.end() && kept < kMaxPeaks;) {
+    std::size_t trying = 0;
+    for (; next != found.end() && trying < most; ++next) {
+      const Vec3f& c = next->frequency;
+      const Vec3f f = frame.t * c[0] + frame.s * c[1] + normal * c[2];
+      if (!is_near_kept(f)) tried[trying++] = {{f, next->power}, std::sqrt(c[0] * c[0] + c[1] * c[1]), false};
+    }
+#pragma omp parallel for schedule(static)
+    for (Tried& t : std::span(tried).first(trying)) {
+      const Vec3f& f = t.peak.frequency;
+      const Vec3f aside = f / (radius * t.in_plane);
+      t.streak = std::min(power_at(points, f + aside), power_at(points, f - aside)) > kMaxStreak * power_at(points, f);
+    }
+    for (const Tried& t : std::span(tried).first(trying)) {
+      if (!t.streak && kept < kMaxPeaks && !is_near_kept(t.peak.frequency)) peaks_[kept++] = t.peak;
+    }
   }
   // Move from the nearest sample to the top of each peak, in steps that halve.
   const std::array<Vec3f, 3> directions = {frame.t * (0.25F * apart), frame.s * (0.25F * apart),

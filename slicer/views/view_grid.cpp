@@ -102,6 +102,23 @@ PLUMBLINE_WIDE void measure_within(const FlatGrid& grid, const Vec3f& middle, fl
   }
 }
 
+constexpr std::size_t kMaxWidths = 8;
+
+/// @param limits2  of the distances
+PLUMBLINE_WIDE void add_counts(const FlatGrid& grid, const float* x, const float* y, const float* z, std::size_t size,
+                               const float* limits2, std::size_t limits, std::uint32_t* counts) {
+  IntLanes within[kMaxWidths] = {};  // NOLINT(cppcoreguidelines-avoid-c-arrays)
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    Lanes px, py, pz, distance2;
+    load(px, x + i);
+    load(py, y + i);
+    load(pz, z + i);
+    distance2_of(distance2, grid, px, py, pz);
+    for (std::size_t k = 0; k < limits; ++k) within[k] += distance2 < limits2[k];
+  }
+  for (std::size_t k = 0; k < limits; ++k) counts[k] -= static_cast<std::uint32_t>(sum(within[k]));
+}
+
 PLUMBLINE_WIDE void measure_distances2(const FlatGrid& grid, const float* x, const float* y, const float* z,
                                        std::size_t size, float* distances2) {
   for (std::size_t i = 0; i < size; i += kLanes) {
@@ -117,12 +134,12 @@ PLUMBLINE_WIDE void measure_distances2(const FlatGrid& grid, const float* x, con
 /// Normal equations, of unknowns in the order of ViewGrid::map with lengths over the radius, then the lens's.
 template <class Number>
 struct Sums {
-  std::array<Number, kProducts> products = {};  ///< lower half, row after row
-  std::array<Number, kSize> residuals = {};
+  std::array<Number, kProducts> products;  ///< lower half, row after row
+  std::array<Number, kSize> residuals;
 };
 
+constexpr std::size_t kBlock = 1024;         ///< points of which one thread selects those near the grid
 constexpr std::size_t kBatch = 32 * kLanes;  ///< points whose sums are kept in single precision
-constexpr std::size_t kFewBatches = 4;       ///< so few are added up sooner than other threads have begun
 
 /// Adds the equations of kLanes points.
 PLUMBLINE_INLINE void add_lanes(const FlatGrid& g, const Lanes& x, const Lanes& y, const Lanes& z, float scale,
@@ -176,6 +193,28 @@ PLUMBLINE_INLINE void add_lanes(const FlatGrid& g, const Lanes& x, const Lanes& 
   }
 }
 
+/// Copies the points of a block that lie near the grid to the block's place in `near`.
+/// @returns how many they are
+std::size_t select_near(const FlatGrid& grid, const LocalPoints& points, std::size_t first, std::size_t size,
+                        float width2, std::span<float> near) {
+  std::array<float, kBlock> distances2;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  const float* const x = &points.x[first];
+  const float* const y = &points.y[first];
+  const float* const z = &points.z[first];
+  measure_distances2(grid, x, y, z, size, distances2.data());
+  float* const to_x = &near[first];
+  float* const to_y = to_x + ViewGridFit::kMaxPoints;
+  float* const to_z = to_y + ViewGridFit::kMaxPoints;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    to_x[count] = x[i];
+    to_y[count] = y[i];
+    to_z[count] = z[i];
+    count += distances2[i] < width2 ? 1 : 0;
+  }
+  return count;
+}
+
 PLUMBLINE_WIDE void add_batch(const FlatGrid& grid, const float* x, const float* y, const float* z, std::size_t size,
                               float scale, float inverse_width2, Sums<float>& sums) {
   Lanes products[kProducts] = {};  // NOLINT(cppcoreguidelines-avoid-c-arrays)
@@ -191,23 +230,49 @@ PLUMBLINE_WIDE void add_batch(const FlatGrid& grid, const float* x, const float*
   for (std::size_t i = 0; i < kSize; ++i) sums.residuals[i] = sum(residuals[i]);
 }
 
+/// Sums up the equations of the points within some distance of the grid, but for the last few that don't fill the lanes.
 /// @param points  ViewGridFit::kMaxPoints at most
-Sums<double> sum_equations(const FlatGrid& grid, const LocalPoints& points, float scale, float inverse_width2) {
-  const std::size_t count = (points.size() + kBatch - 1) / kBatch;
-  std::array<Sums<float>, ViewGridFit::kMaxPoints / kBatch> batches;
-  const auto add = [&](std::size_t batch) {
-    const std::size_t first = batch * kBatch;
-    add_batch(grid, &points.x[first], &points.y[first], &points.z[first], std::min(kBatch, points.size() - first),
-              scale, inverse_width2, batches[batch]);
-  };
-  if (count <= kFewBatches) {
-    for (std::size_t batch = 0; batch < count; ++batch) add(batch);
-  } else {
-#pragma omp parallel for schedule(dynamic, 1)
-    for (std::size_t batch = 0; batch < count; ++batch) add(batch);
+/// @param near    room for three times as many numbers
+Sums<double> sum_equations(const FlatGrid& grid, const LocalPoints& points, float scale, double width,
+                           std::span<float> near) {
+  constexpr std::size_t kMost = ViewGridFit::kMaxPoints;
+  const std::size_t blocks = (points.size() + kBlock - 1) / kBlock;
+  std::array<std::size_t, kMost / kBlock + 1> before = {};  // points near the grid in the blocks before each
+  std::array<Sums<float>, kMost / kBatch> batches;          // NOLINT(cppcoreguidelines-pro-type-member-init)
+  std::size_t size = 0;
+#pragma omp parallel if (blocks > 1)
+  {
+#pragma omp for schedule(dynamic)
+    for (std::size_t block = 0; block < blocks; ++block) {
+      const std::size_t first = block * kBlock;
+      before[block + 1] = select_near(grid, points, first, std::min(kBlock, points.size() - first),
+                                      static_cast<float>(width * width), near);
+    }
+#pragma omp single
+    {
+      for (std::size_t block = 0; block < blocks; ++block) before[block + 1] += before[block];
+      size = before[blocks] - before[blocks] % kLanes;
+    }
+#pragma omp for schedule(dynamic)
+    for (std::size_t batch = 0; batch < (size + kBatch - 1) / kBatch; ++batch) {
+      std::array<std::array<float, kBatch>, 3> at;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      const std::size_t first = batch * kBatch;
+      const std::size_t last = std::min(first + kBatch, size);
+      for (std::size_t block = 0; block < blocks; ++block) {
+        const std::size_t from = std::max(first, before[block]);
+        const std::size_t to = std::min(last, before[block + 1]);
+        if (from >= to) continue;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const auto all = near.subspan(axis * kMost + block * kBlock, kBlock);
+          std::copy_n(&all[from - before[block]], to - from, &at[axis][from - first]);
+        }
+      }
+      add_batch(grid, at[0].data(), at[1].data(), at[2].data(), last - first, scale,
+                static_cast<float>(1 / (width * width)), batches[batch]);
+    }
   }
-  Sums<double> sums;
-  for (const Sums<float>& batch : std::span(batches).first(count)) {
+  Sums<double> sums = {};
+  for (const Sums<float>& batch : std::span(batches).first((size + kBatch - 1) / kBatch)) {
     for (std::size_t i = 0; i < kProducts; ++i) sums.products[i] += static_cast<double>(batch.products[i]);
     for (std::size_t i = 0; i < kSize; ++i) sums.residuals[i] += static_cast<double>(batch.residuals[i]);
   }
@@ -272,9 +337,19 @@ ViewGrid ViewGrid::around(const Vec3f& other) const {
   return moved;
 }
 
-void distances2_from_grid(const ViewGrid& grid, const LocalPoints& points, std::span<float> distances2) {
-  measure_distances2(FlatGrid(grid), points.x.data(), points.y.data(), points.z.data(), points.size(),
-                     distances2.data());
+void count_near(const ViewGrid& grid, const LocalPoints& points, std::span<const double> widths,
+                std::span<std::uint32_t> counts) {
+  const FlatGrid flat(grid);
+  std::array<float, kMaxWidths> limits2 = {};
+  for (std::size_t k = 0; k < widths.size(); ++k) limits2[k] = static_cast<float>(widths[k] * widths[k]);
+  std::fill(counts.begin(), counts.end(), 0);
+  std::uint32_t* const sums = counts.data();
+  const std::size_t limits = widths.size();
+#pragma omp parallel for schedule(static) reduction(+ : sums[:limits]) if (points.size() > kBlock)
+  for (std::size_t first = 0; first < points.size(); first += kBlock) {
+    add_counts(flat, &points.x[first], &points.y[first], &points.z[first], std::min(kBlock, points.size() - first),
+               limits2.data(), limits, sums);
+  }
 }
 
 void distances2_within(const ViewGrid& grid, double radius, std::span<const Vec3f> points,
@@ -283,29 +358,9 @@ void distances2_within(const ViewGrid& grid, double radius, std::span<const Vec3
                  distances2.data());
 }
 
-/// Copies the points that count, but for the last few that don't fill the lanes.
-LocalPoints ViewGridFit::near(const ViewGrid& grid, const LocalPoints& points, double width) const {
-  const auto distances2 = room_.first(points.size());
-  const std::array<std::span<float>, 3> to = {room_.subspan(kMaxPoints, kMaxPoints),
-                                              room_.subspan(2 * kMaxPoints, kMaxPoints), room_.subspan(3 * kMaxPoints)};
-  distances2_from_grid(grid, points, distances2);
-  const auto limit = static_cast<float>(width * width);
-  std::size_t size = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    to[0][size] = points.x[i];
-    to[1][size] = points.y[i];
-    to[2][size] = points.z[i];
-    size += distances2[i] < limit ? 1 : 0;
-  }
-  size -= size % kLanes;
-  return {to[0].first(size), to[1].first(size), to[2].first(size)};
-}
-
 std::optional<double> ViewGridFit::improve(ViewGrid& grid, const LocalPoints& points, double radius,
                                            double width) const {
-  const LocalPoints used = near(grid, points, width);
-  const Sums<double> sums =
-      sum_equations(FlatGrid(grid), used, static_cast<float>(1 / radius), static_cast<float>(1 / (width * width)));
+  const Sums<double> sums = sum_equations(FlatGrid(grid), points, static_cast<float>(1 / radius), width, room_);
   Eigen::Matrix<double, kSize, kSize> held;
   Eigen::Matrix<double, kSize, 1> target;
   std::size_t at = 0;

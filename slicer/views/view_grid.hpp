@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -44,11 +45,12 @@ struct ViewGrid {
   ViewGrid around(const Vec3f& other) const;
 };
 
-/// Sets the squared distance of each point (relative to the grid's middle) from the nearest integer pixel, pixels^2; 1 for points
-/// behind the camera.
-void distances2_from_grid(const ViewGrid& grid, const LocalPoints& points, std::span<float> distances2);
+/// Counts the points (relative to the grid's middle) that lie within each of up to eight distances (below 1 pixel) of the grid.
+void count_near(const ViewGrid& grid, const LocalPoints& points, std::span<const double> widths,
+                std::span<std::uint32_t> counts);
 
-/// The same of points in the scan's own frame. Points farther than `radius` (mm) from the grid's middle get 1.
+/// Sets the squared distance of each point (in the scan's own frame) from the nearest integer pixel, pixels^2; 1 for points behind
+/// the camera or farther than `radius` (mm) from the grid's middle.
 /// @param distances2  as many as points, rounded up to a multiple of kLanes
 void distances2_within(const ViewGrid& grid, double radius, std::span<const Vec3f> points, std::span<float> distances2);
 
@@ -59,7 +61,7 @@ class ViewGridFit {
 
   /// @param extent  half the size of the scan, mm: scale of the priors that keep perspective and distortion small where the points
   ///                don't determine them
-  /// @param room    four times kMaxPoints numbers
+  /// @param room    three times kMaxPoints numbers
   ViewGridFit(double extent, std::span<float> room) : extent_(extent), room_(room) {}
 
   /// Expects all further lenses to have about this first coefficient.
@@ -74,8 +76,6 @@ class ViewGridFit {
   std::optional<double> improve(ViewGrid& grid, const LocalPoints& points, double radius, double width) const;
 
  private:
-  LocalPoints near(const ViewGrid& grid, const LocalPoints& points, double width) const;
-
   double extent_;
   std::optional<double> radial_;
   std::span<float> room_;

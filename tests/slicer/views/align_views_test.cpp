@@ -65,7 +65,7 @@ ViewGrid fit_from_a_third_of_a_pixel_off(const ScannedViews& scan) {
   grid.map.segment<3>(4) = ahead.cross(right) * 150 / depth / 0.4;
   grid.map[3] = 0.3;
   grid.map[7] = -0.2;
-  std::vector<float> room(4 * ViewGridFit::kMaxPoints);
+  std::vector<float> room(3 * ViewGridFit::kMaxPoints);
   const ViewGridFit fit(30, room);
   for (double radius = 3; radius < 40; radius *= 1.4) {
     std::array<std::vector<float>, 3> at;
