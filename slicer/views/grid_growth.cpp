@@ -196,7 +196,7 @@ const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, s
 
 /// Takes the points of a thread: the blocks of the cloud go around.
 void GridGrowth::collect_part(const Vec3f& middle, float radius, std::uint32_t thread, std::uint32_t threads) {
-  Part& part = parts_[thread];
+  Part part = parts_[thread];  // a copy, since threads that write side by side wait for each other
   const auto add = [&](std::uint32_t i) {
     if (view_of_[i] != kNoView) return;
     const Vec3f d = cloud_->position[i] - middle;
@@ -218,6 +218,7 @@ void GridGrowth::collect_part(const Vec3f& middle, float radius, std::uint32_t t
                        begin = end;
                      }
                    });
+  parts_[thread] = part;
 }
 
 }  // namespace plumbline

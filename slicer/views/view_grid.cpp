@@ -237,39 +237,39 @@ Sums<double> sum_equations(const FlatGrid& grid, const LocalPoints& points, floa
                            std::span<float> near) {
   constexpr std::size_t kMost = ViewGridFit::kMaxPoints;
   const std::size_t blocks = (points.size() + kBlock - 1) / kBlock;
-  std::array<std::size_t, kMost / kBlock + 1> before = {};  // points near the grid in the blocks before each
-  std::array<Sums<float>, kMost / kBatch> batches;          // NOLINT(cppcoreguidelines-pro-type-member-init)
+  std::array<std::size_t, kMost / kBlock> counts;   // NOLINT(cppcoreguidelines-pro-type-member-init)
+  std::array<Sums<float>, kMost / kBatch> batches;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   std::size_t size = 0;
 #pragma omp parallel if (blocks > 1)
   {
-#pragma omp for schedule(dynamic)
+#pragma omp for schedule(static)
     for (std::size_t block = 0; block < blocks; ++block) {
       const std::size_t first = block * kBlock;
-      before[block + 1] = select_near(grid, points, first, std::min(kBlock, points.size() - first),
-                                      static_cast<float>(width * width), near);
+      counts[block] = select_near(grid, points, first, std::min(kBlock, points.size() - first),
+                                  static_cast<float>(width * width), near);
     }
-#pragma omp single
-    {
-      for (std::size_t block = 0; block < blocks; ++block) before[block + 1] += before[block];
-      size = before[blocks] - before[blocks] % kLanes;
-    }
-#pragma omp for schedule(dynamic)
-    for (std::size_t batch = 0; batch < (size + kBatch - 1) / kBatch; ++batch) {
+    std::array<std::size_t, kMost / kBlock + 1> before = {};  // points near the grid in the blocks before each
+    for (std::size_t block = 0; block < blocks; ++block) before[block + 1] = before[block] + counts[block];
+    const std::size_t all = before[blocks] - before[blocks] % kLanes;
+#pragma omp for schedule(static)
+    for (std::size_t batch = 0; batch < (all + kBatch - 1) / kBatch; ++batch) {
       std::array<std::array<float, kBatch>, 3> at;  // NOLINT(cppcoreguidelines-pro-type-member-init)
       const std::size_t first = batch * kBatch;
-      const std::size_t last = std::min(first + kBatch, size);
+      const std::size_t last = std::min(first + kBatch, all);
       for (std::size_t block = 0; block < blocks; ++block) {
         const std::size_t from = std::max(first, before[block]);
         const std::size_t to = std::min(last, before[block + 1]);
         if (from >= to) continue;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-          const auto all = near.subspan(axis * kMost + block * kBlock, kBlock);
-          std::copy_n(&all[from - before[block]], to - from, &at[axis][from - first]);
+          const auto of_block = near.subspan(axis * kMost + block * kBlock, kBlock);
+          std::copy_n(&of_block[from - before[block]], to - from, &at[axis][from - first]);
         }
       }
       add_batch(grid, at[0].data(), at[1].data(), at[2].data(), last - first, scale,
                 static_cast<float>(1 / (width * width)), batches[batch]);
     }
+#pragma omp master
+    size = all;
   }
   Sums<double> sums = {};
   for (const Sums<float>& batch : std::span(batches).first((size + kBatch - 1) / kBatch)) {
