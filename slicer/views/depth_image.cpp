@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "slicer/core/numbers/lanes.hpp"
 #include "slicer/core/numbers/median.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
@@ -20,6 +21,7 @@ constexpr std::uint32_t kSide = DepthImage::kSide;
 constexpr std::uint32_t kSteps = 2 * kSide;      ///< of a whole turn
 constexpr std::uint32_t kRight = kSide / 2 + 1;  ///< horizontal frequencies: from 0 to a wave of four cells
 constexpr std::uint32_t kUp = 2 * kRight - 1;    ///< vertical frequencies: the same range, both signs
+constexpr std::uint32_t kRow = (kRight + kLanes - 1) / kLanes * kLanes;  ///< numbers of a row of horizontal frequencies
 /// Power of a wave over the mean of noise. Noise exceeds it at one frequency with probability exp(-14), 8e-7; an image
 /// has 2145 frequencies.
 constexpr float kMinPower = 14;
@@ -29,6 +31,32 @@ constexpr int kSearchSteps = 3;       ///< Gauss-Newton steps of a new wave; eve
 constexpr double kRidge = 1e-3;       ///< share of the trace added to the diagonal of the normal equations
 /// Largest change of the phase at the image's side in one step, turns. Beyond that the linearization does not hold.
 constexpr double kMaxTurned = 0.5;
+
+/// exp(2 pi i k / kSteps)
+Phasor turn(std::uint32_t k) { return phasor(static_cast<float>(k % kSteps) / kSteps); }
+
+/// Adds a row of phasors, real parts then imaginary parts, times a number.
+PLUMBLINE_WIDE void add_row(float* sums, const float* row, float number) {
+  for (std::size_t j = 0; j < 2 * kRow; j += kLanes) {
+    Lanes sum, part;
+    load(sum, sums + j);
+    load(part, row + j);
+    store(sums + j, sum + number * part);
+  }
+}
+
+/// Adds the same times the conjugate of a phasor.
+PLUMBLINE_WIDE void add_turned_row(float* sums, const float* row, float re, float im) {
+  for (std::size_t j = 0; j < kRow; j += kLanes) {
+    Lanes sum_re, sum_im, row_re, row_im;
+    load(sum_re, sums + j);
+    load(sum_im, sums + kRow + j);
+    load(row_re, row + j);
+    load(row_im, row + kRow + j);
+    store(sums + j, sum_re + (row_re * re + row_im * im));
+    store(sums + kRow + j, sum_im + (row_im * re - row_re * im));
+  }
+}
 
 }  // namespace
 
@@ -74,8 +102,11 @@ void DepthImage::fit(Wave& wave, bool fit_frequency) {
     terms[0] = static_cast<double>(p.re);
     terms[1] = static_cast<double>(p.im);
     if (fit_frequency) terms.tail<3>() = (wave.im * terms[0] - wave.re * terms[1]) * (2 * std::numbers::pi) * x;
-    products += static_cast<double>(cells_[i].weight) * terms * terms.transpose();
     right += static_cast<double>(cells_[i].offset) * terms;
+    const Vec5d weighted = static_cast<double>(cells_[i].weight) * terms;
+    for (Eigen::Index row = 0; row < (fit_frequency ? 5 : 2); ++row) {  // the lower half is enough
+      for (Eigen::Index column = 0; column <= row; ++column) products(row, column) += weighted[row] * terms[column];
+    }
   }
   const double of_amplitude = products.topLeftCorner<2, 2>().trace();
   const double of_frequency = products.bottomRightCorner<3, 3>().trace();
@@ -97,48 +128,44 @@ void DepthImage::fit(Wave& wave, bool fit_frequency) {
 }
 
 std::size_t WaveSearch::bytes() {
-  return Arena::rounded(std::size_t{kSide} * kRight * sizeof(Phasor)) + Arena::rounded(kSteps * sizeof(Phasor)) +
+  return 2 * Arena::rounded(std::size_t{kSide} * 2 * kRow * sizeof(float)) +
          2 * Arena::rounded(std::size_t{kUp} * kRight * sizeof(float));
 }
 
 Expected<WaveSearch> WaveSearch::create(Arena& arena) {
   WaveSearch search;
-  PLUMBLINE_TRY(arena.take_top(search.rows_, std::size_t{kSide} * kRight, kStage));
+  PLUMBLINE_TRY(arena.take_top(search.rows_, std::size_t{kSide} * 2 * kRow, kStage));
   PLUMBLINE_TRY(arena.take_top(search.powers_, std::size_t{kUp} * kRight, kStage));
   PLUMBLINE_TRY(arena.take_top(search.sorted_, search.powers_.size(), kStage));
-  PLUMBLINE_TRY(arena.take_top(search.turns_, kSteps, kStage));
-  for (std::uint32_t k = 0; k < kSteps; ++k) search.turns_[k] = phasor(static_cast<float>(k) / kSteps);
+  PLUMBLINE_TRY(arena.take_top(search.turns_, search.rows_.size(), kStage));
+  std::fill(search.turns_.begin(), search.turns_.end(), 0.0F);
+  for (std::uint32_t x = 0; x < kSide; ++x) {
+    for (std::uint32_t j = 0; j < kRight; ++j) {
+      const Phasor w = turn(j * x);
+      search.turns_[x * 2 * kRow + j] = w.re;
+      search.turns_[x * 2 * kRow + kRow + j] = -w.im;
+    }
+  }
   return search;
 }
 
 /// Computes the power spectrum of the image: first along the rows, then across them.
 void WaveSearch::transform(std::span<const DepthImage::Cell> cells) {
+  std::fill(rows_.begin(), rows_.end(), 0.0F);
   for (std::uint32_t y = 0; y < kSide; ++y) {
-    const auto row = rows_.subspan(std::size_t{y} * kRight, kRight);
-    std::fill(row.begin(), row.end(), Phasor{0, 0});
     for (std::uint32_t x = 0; x < kSide; ++x) {
       const float offset = cells[y * kSide + x].offset;
-      if (offset == 0) continue;
-      for (std::uint32_t j = 0; j < kRight; ++j) {
-        const Phasor& w = turns_[j * x % kSteps];
-        row[j].re += offset * w.re;
-        row[j].im -= offset * w.im;
-      }
+      if (offset != 0) add_row(&rows_[y * 2 * kRow], &turns_[x * 2 * kRow], offset);
     }
   }
   for (std::uint32_t l = 0; l < kUp; ++l) {
-    std::array<Phasor, kRight> sums;
-    sums.fill({0, 0});
+    std::array<float, std::size_t{2}* kRow> sums = {};
     for (std::uint32_t y = 0; y < kSide; ++y) {
-      const Phasor w = turns_[(l + kSteps - (kRight - 1)) * y % kSteps];
-      const auto row = rows_.subspan(std::size_t{y} * kRight, kRight);
-      for (std::uint32_t j = 0; j < kRight; ++j) {
-        sums[j].re += row[j].re * w.re + row[j].im * w.im;
-        sums[j].im += row[j].im * w.re - row[j].re * w.im;
-      }
+      const Phasor w = turn((l + kSteps - (kRight - 1)) * y);
+      add_turned_row(sums.data(), &rows_[y * 2 * kRow], w.re, w.im);
     }
     for (std::uint32_t j = 0; j < kRight; ++j)
-      powers_[l * kRight + j] = sums[j].re * sums[j].re + sums[j].im * sums[j].im;
+      powers_[l * kRight + j] = sums[j] * sums[j] + sums[kRow + j] * sums[kRow + j];
   }
 }
 

@@ -66,10 +66,10 @@ class WaveSearch {
   void transform(std::span<const DepthImage::Cell> cells);
   bool find_strongest(const Ripple& ripple, const DepthFrame& frame, Wave& wave);
 
-  std::span<Phasor> rows_;   ///< Fourier transform of each row, frequencies from 0
+  std::span<float> rows_;    ///< Fourier transform of each row, frequencies from 0: real parts, imaginary parts
   std::span<float> powers_;  ///< of the spectrum, row after row, from the lowest vertical frequency
   std::span<float> sorted_;  ///< copy of the powers for the median
-  std::span<Phasor> turns_;  ///< exp(2 pi i k / (2 kSide))
+  std::span<float> turns_;   ///< the same of a 1 in each column
 };
 
 }  // namespace plumbline
