@@ -18,6 +18,7 @@ constexpr const char* kStage = "views";
 
 constexpr std::size_t kSample = ViewGridFit::kMaxPoints;
 constexpr std::uint32_t kBlock = 1024;      ///< points of the cloud that one thread looks at in a row
+constexpr std::size_t kTold = 512;          ///< more points than a thread told the others last
 constexpr std::size_t kRoom = kSample + 1;  ///< points: one more than fit, before every second one is dropped
 /// Growth of the radius in one step. The grid must be right to a third of a pixel at the new radius, so that larger
 /// steps lose it and smaller ones take longer.
@@ -160,7 +161,7 @@ LocalPoints GridGrowth::take_sample(const Vec3f& middle, double radius) {
 /// @param stride  of the sample, at least: the smallest with which the points fit
 const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, std::uint32_t stride) {
   for (Part& part : parts_) {
-    part.size = part.taken = 0;
+    part.size = part.taken = part.told = 0;
     part.stride = stride;
   }
 #pragma omp parallel
@@ -194,6 +195,21 @@ const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, s
   }
 }
 
+/// Tells the others how many points a thread has, and thins them if all have too many for their stride.
+void GridGrowth::tell(Part& part, std::uint32_t thread, std::uint32_t threads) {
+  std::size_t all = part.size;
+  for (std::uint32_t other = 0; other < threads; ++other) {
+    std::uint64_t told = 0;
+#pragma omp atomic read
+    told = parts_[other].told;
+    if (other != thread && told >> 32U >= part.stride) all += told & 0xFFFFFFFFU;
+  }
+  if (all > kSample) part.thin();
+  part.told = std::uint64_t{part.stride} << 32U | part.size;
+#pragma omp atomic write
+  parts_[thread].told = part.told;
+}
+
 /// Takes the points of a thread: the blocks of the cloud go around.
 void GridGrowth::collect_part(const Vec3f& middle, float radius, std::uint32_t thread, std::uint32_t threads) {
   Part part = parts_[thread];  // a copy, since threads that write side by side wait for each other
@@ -216,6 +232,7 @@ void GridGrowth::collect_part(const Vec3f& middle, float radius, std::uint32_t t
                          }
                        }
                        begin = end;
+                       if (threads > 1 && part.size >= (part.told & 0xFFFFFFFFU) + kTold) tell(part, thread, threads);
                      }
                    });
   parts_[thread] = part;

@@ -55,6 +55,7 @@ class GridGrowth {
     std::size_t size = 0;
     std::size_t taken = 0;  ///< points that are in the sample already
     std::uint32_t stride = 1;
+    std::uint64_t told = 0;  ///< stride times 2^32 plus size, told to the other threads now and then
 
     void thin();
     void take(Part& from, std::size_t end);
@@ -62,6 +63,7 @@ class GridGrowth {
   LocalPoints take_sample(const Vec3f& middle, double radius);
   const Part& collect(const Vec3f& middle, float radius, std::uint32_t stride);
   void collect_part(const Vec3f& middle, float radius, std::uint32_t thread, std::uint32_t threads);
+  void tell(Part& part, std::uint32_t thread, std::uint32_t threads);
 
   const Cloud* cloud_;
   const KdTree3* tree_;
