@@ -292,10 +292,10 @@ std::span<const SpectrumPeak> PatchSpectrum::peaks(const LocalPoints& points, co
     bool streak;
   };
   std::array<Tried, kMaxPeaks> tried;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-  const std::size_t most = std::min<std::size_t>(kMaxPeaks, static_cast<std::size_t>(omp_get_max_threads()));
+  const std::size_t at_once = std::min<std::size_t>(kMaxPeaks, static_cast<std::size_t>(omp_get_max_threads()));
   for (auto next = found.begin(); next != found.end() && kept < kMaxPeaks;) {
     std::size_t trying = 0;
-    for (; next != found.end() && trying < most; ++next) {
+    for (; next != found.end() && trying < at_once; ++next) {
       const Vec3f& c = next->frequency;
       const Vec3f f = frame.t * c[0] + frame.s * c[1] + normal * c[2];
       if (!is_near_kept(f)) tried[trying++] = {{f, next->power}, std::sqrt(c[0] * c[0] + c[1] * c[1]), false};
@@ -304,7 +304,8 @@ std::span<const SpectrumPeak> PatchSpectrum::peaks(const LocalPoints& points, co
     for (Tried& t : std::span(tried).first(trying)) {
       const Vec3f& f = t.peak.frequency;
       const Vec3f aside = f / (radius * t.in_plane);
-      t.streak = std::min(power_at(points, f + aside), power_at(points, f - aside)) > kMaxStreak * power_at(points, f);
+      const float most = kMaxStreak * power_at(points, f);
+      t.streak = power_at(points, f + aside) > most && power_at(points, f - aside) > most;
     }
     for (const Tried& t : std::span(tried).first(trying)) {
       if (!t.streak && kept < kMaxPeaks && !is_near_kept(t.peak.frequency)) peaks_[kept++] = t.peak;

@@ -215,9 +215,8 @@ class Registrar {
 
   void add_offsets(const SharedPlace& place, const ViewShare& share) {
     for (std::uint32_t k = 0; k < place.points; ++k) {
-      const std::uint32_t i = place.point[k];
-      if (!share.has(views_.view_of(i))) continue;
-      image_of(views_.view_of(i)).add(views_.seen_position(i), place.offset[k], place.weight[k]);
+      if (!share.has(place.view_of[k])) continue;
+      image_of(place.view_of[k]).add(views_.seen_position(place.point[k]), place.offset[k], place.weight[k]);
     }
   }
 

@@ -84,6 +84,7 @@ bool SharedPlace::measure(const MovedViews& moved_views, const PlacePoints& near
   points = surface.size;
   for (std::uint32_t k = 0; k < points; ++k) {
     point[k] = near.point[surface.point[k]];
+    view_of[k] = moved_views.view_of(point[k]);
     cosine[k] = ray[point[k]].dot(surface.normal);
     surface.weight[k] = std::abs(cosine[k]) < kMinIncidence ? kGrazingWeight : 1;
     weights += static_cast<double>(surface.weight[k]);
@@ -109,7 +110,7 @@ void SharedPlace::sum_up(const LocalParaboloid& surface, const MovedViews& moved
   place_of.fill(kNoView);
   views = 0;
   for (std::uint32_t k = 0; k < points; ++k) {
-    const std::uint8_t of = moved_views.view_of(point[k]);
+    const std::uint8_t of = view_of[k];
     if (place_of[of] == kNoView) {
       if (views == kMaxViews) continue;
       place_of[of] = static_cast<std::uint8_t>(views);

@@ -38,6 +38,7 @@ struct SharedPlace {
   double mean_square = 0;  ///< distance of the points from the surface, mm^2
   std::uint32_t points = 0;
   std::array<std::uint32_t, LocalParaboloid::kMaxPoints> point;
+  std::array<std::uint8_t, LocalParaboloid::kMaxPoints> view_of;  ///< each point's
   /// Distance of each point along its ray beyond the surface, mm, times `weight`.
   std::array<double, LocalParaboloid::kMaxPoints> offset;
   std::array<double, LocalParaboloid::kMaxPoints> weight;
