@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/records/record.hpp"
+#include "slicer/reader/records/records_end.hpp"
 
 namespace plumbline {
 namespace {
@@ -11,8 +13,9 @@ namespace {
 /// Bytes of a point of formats 0 to 10 (LAS 1.4 R15, tables 7 to 21). A record may have extra bytes after them.
 constexpr std::array<std::size_t, 11> kPointBytes = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
-/// Bytes of the header up to the bounding box, the same in all versions. LAS 1.4 has 375.
+/// Bytes of the header up to the bounding box, the same in all versions.
 constexpr std::size_t kHeadBytes = 227;
+constexpr std::size_t kHeadBytes13 = 235;
 constexpr std::size_t kHeadBytes14 = 375;
 
 /// Classes of the ASPRS that mark a point as noise.
@@ -31,12 +34,13 @@ T load(const char* bytes, std::size_t at) {
 }
 
 struct LasHeader {
-  unsigned minor = 0;                ///< of version 1.minor
-  unsigned format = 0;               ///< of the points
-  std::size_t record = 0;            ///< bytes of a point
-  std::uint64_t points = 0;          ///< declared
-  std::uint64_t points_at = 0;       ///< byte of the file
-  std::array<double, 3> scale = {};  ///< coordinate = scale * integer + offset
+  unsigned minor = 0;                                                    ///< of version 1.minor
+  unsigned format = 0;                                                   ///< of the points
+  std::size_t record = 0;                                                ///< bytes of a point
+  std::uint64_t points = 0;                                              ///< declared
+  std::uint64_t points_at = 0;                                           ///< byte of the file
+  std::uint64_t points_end = std::numeric_limits<std::uint64_t>::max();  ///< where something else may begin
+  std::array<double, 3> scale = {};                                      ///< coordinate = scale * integer + offset
   std::array<double, 3> offset = {};
 };
 
@@ -83,6 +87,10 @@ class LasReader {
       header_.scale[a] = load<double>(head, 131 + 8 * a);
       header_.offset[a] = load<double>(head, 155 + 8 * a);
     }
+    if (header_.minor < 3 || head_bytes_ < kHeadBytes13) return {};
+    ready = input_.fill(kHeadBytes13);
+    PLUMBLINE_TRY(ready);
+    if (*ready >= kHeadBytes13) set_end(load<std::uint64_t>(input_.begin(), 227));  // waveforms
     if (header_.minor < 4 || head_bytes_ < kHeadBytes14) return {};
     ready = input_.fill(kHeadBytes14);
     PLUMBLINE_TRY(ready);
@@ -94,7 +102,13 @@ class LasReader {
     // The 32-bit count is 0 where the points' format or number is too new for it.
     const auto points = load<std::uint64_t>(input_.begin(), 247);
     if (points != 0) header_.points = points;
+    if (load<std::uint32_t>(input_.begin(), 243) != 0) set_end(load<std::uint64_t>(input_.begin(), 235));  // records
     return {};
+  }
+
+  /// @param at  byte of the file that a header names; 0: there is no such thing
+  void set_end(std::uint64_t at) {
+    if (at != 0) header_.points_end = std::min(header_.points_end, at);
   }
 
   Status check_header() const {
@@ -174,7 +188,8 @@ class LasReader {
       }
       done += whole;
     }
-    return {};
+    const std::uint64_t room = header_.points_end - std::min(header_.points_end, input_.offset());
+    return check_end(input_, "points", header_.points, header_.record, room);
   }
 
   ByteInput& input_;

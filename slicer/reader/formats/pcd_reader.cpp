@@ -3,6 +3,7 @@
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/records/record_binary.hpp"
 #include "slicer/reader/records/record_text.hpp"
+#include "slicer/reader/records/records_end.hpp"
 #include "slicer/reader/stream/line_input.hpp"
 
 namespace plumbline {
@@ -30,8 +31,12 @@ Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory, Arena& colum
                              .is_packed = header->data == PcdData::kBinaryCompressed,
                              .reader_bytes = compressed_columns_bytes(*header)}));
   switch (header->data) {
-    case PcdData::kAscii: return read_text_points(lines, header->layout, header->points, batch);
-    case PcdData::kBinary: return read_binary_points(input, header->layout, header->points, std::endian::little, batch);
+    case PcdData::kAscii:
+      PLUMBLINE_TRY(read_text_points(lines, header->layout, header->points, batch));
+      return check_text_end(lines, "points", header->points);
+    case PcdData::kBinary:
+      PLUMBLINE_TRY(read_binary_points(input, header->layout, header->points, std::endian::little, batch));
+      return check_end(input, "points", header->points, header->layout.bytes());
     case PcdData::kBinaryCompressed: return read_pcd_compressed(input, *header, batch, columns);
   }
   return {};

@@ -72,6 +72,7 @@ class HeaderParser {
   enum class Place : std::uint8_t { kStart, kBefore, kVertex, kBetween, kFace, kAfter };
 
   unsigned long long number() const { return static_cast<unsigned long long>(lines_.number()); }
+  static bool is_faces(std::string_view element) { return element == "face" || element == "tristrips"; }
 
   tl::unexpected<Error> expected(const char* what, std::string_view found) const {
     return lines_.input().fail(ErrorCode::kMalformed, "line %llu: expected %s, found '%s';\texport the file again",
@@ -104,6 +105,7 @@ class HeaderParser {
     const auto count = parse_count(count_word);
     if (name.empty()) return expected("the name of an element", name);
     if (!count) return expected("a number of elements from 0 to 2^64 - 1", count_word);
+    if (is_faces(name)) header_.declared_faces = saturating_add(header_.declared_faces, *count);
     if (place_ >= Place::kVertex) {
       begin_after_vertex(name, *count);
       return {};
@@ -126,12 +128,14 @@ class HeaderParser {
 
   void begin_after_vertex(std::string_view name, std::uint64_t count) {
     close_after_vertex();
+    header_.ends_with_vertices = header_.ends_with_vertices && count == 0;
+    header_.ends_with_faces = header_.ends_with_faces && (place_ < Place::kFace || count == 0);
     if (place_ == Place::kFace || place_ == Place::kAfter || before_ + between_ == elements_.size()) {
       place_ = Place::kAfter;
       return;
     }
     header_.strips = name == "tristrips";
-    place_ = name == "face" || header_.strips ? Place::kFace : Place::kBetween;
+    place_ = is_faces(name) ? Place::kFace : Place::kBetween;
     count_ = count;
     layout_ = RecordLayout(steps_);
   }
@@ -153,8 +157,7 @@ class HeaderParser {
     const auto item = type_of(words.next());
     if (!count || !item || !is_integer(*count)) return false;
     const auto name = words.next();
-    const bool wanted =
-        place_ == Place::kFace && is_integer(*item) && (name == "vertex_indices" || name == "vertex_index");
+    const bool wanted = place_ == Place::kFace && (name == "vertex_indices" || name == "vertex_index");
     return layout_.add_list(*count, *item, wanted);
   }
 

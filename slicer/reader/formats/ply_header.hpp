@@ -28,6 +28,9 @@ struct PlyHeader {
   std::span<const PlyElement> before_face;    ///< elements between the vertices and the faces, in order
   /// Faces after the vertices, with a list of vertex indices. count 0: there are none that can be read.
   PlyElement face;
+  std::uint64_t declared_faces = 0;  ///< wherever they are; more than face.count: some can't be read
+  bool ends_with_vertices = true;    ///< no element comes after them
+  bool ends_with_faces = true;
   bool strips = false;  ///< the lists are strips of triangles, as Stanford's scans have: -1 begins another strip
 };
 

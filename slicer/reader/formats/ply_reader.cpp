@@ -3,6 +3,7 @@
 #include "slicer/reader/formats/splats/splat_filter.hpp"
 #include "slicer/reader/records/record_binary.hpp"
 #include "slicer/reader/records/record_text.hpp"
+#include "slicer/reader/records/records_end.hpp"
 #include "slicer/reader/stream/line_input.hpp"
 
 namespace plumbline {
@@ -16,8 +17,11 @@ Status read_vertices(const PlyHeader& header, LineInput& lines, PointBatch& batc
                                : skip_binary_records(input, element.layout, element.count, header.order));
   }
   const PlyElement& vertex = header.vertex;
-  return header.ascii ? read_text_points(lines, vertex.layout, vertex.count, batch)
-                      : read_binary_points(input, vertex.layout, vertex.count, header.order, batch);
+  PLUMBLINE_TRY(header.ascii ? read_text_points(lines, vertex.layout, vertex.count, batch)
+                             : read_binary_points(input, vertex.layout, vertex.count, header.order, batch));
+  if (!header.ends_with_vertices) return {};
+  return header.ascii ? check_text_end(lines, "vertices", vertex.count)
+                      : check_end(input, "vertices", vertex.count, vertex.layout.least_bytes());
 }
 
 const char* splat_encoding(const PlyHeader& header) {

@@ -67,4 +67,13 @@ bool RecordLayout::add_list(ScalarType count, ScalarType item, bool wanted) {
   return true;
 }
 
+std::uint64_t RecordLayout::least_bytes() const {
+  std::uint64_t bytes = bytes_;
+  for (const RecordStep& step : steps()) {
+    if (step.kind != RecordStep::Kind::kList) continue;
+    bytes = saturating_add(bytes, size_of(step.type) + (step.slot == 1 ? 3 * size_of(step.item) : 0));
+  }
+  return bytes;
+}
+
 }  // namespace plumbline

@@ -85,6 +85,8 @@ class RecordLayout {
   bool has_wanted_list() const { return wanted_list_; }
   /// Bytes of a record in a binary file, not counting lists. Saturates at the largest value.
   std::uint64_t bytes() const { return bytes_; }
+  /// Bytes of the smallest record in a binary file: its lists are empty, the wanted one has the three corners of a triangle.
+  std::uint64_t least_bytes() const;
 
  private:
   std::span<RecordStep> room_;

@@ -27,8 +27,8 @@ Expected<MeshHint> hint_of_ply(ByteInput& input, Arena& memory) {
     if (header.error().code() == ErrorCode::kCannotRead) return tl::unexpected<Error>(header.error());
     return MeshHint::kNone;
   }
-  const bool enough = header->strips || header->face.count >= header->vertex.count / kMostVerticesPerFace;
-  return enough && header->face.count > 0 ? MeshHint::kMaybe : MeshHint::kNone;
+  const bool enough = header->strips || header->declared_faces >= header->vertex.count / kMostVerticesPerFace;
+  return enough && header->declared_faces > 0 ? MeshHint::kMaybe : MeshHint::kNone;
 }
 
 }  // namespace

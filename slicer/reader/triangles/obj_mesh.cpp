@@ -17,11 +17,18 @@ class ObjMeshReader {
   Status read() {
     batch_.summary().format = ScanFormat::kObj;
     batch_.summary().encoding = "ascii";
-    const auto wanted = [](std::string_view keyword) { return keyword == "v" || keyword == "f" || keyword == "fo"; };
+    const auto wanted = [](std::string_view keyword) {
+      return keyword == "v" || keyword == "f" || keyword == "fo" || keyword == "surf";
+    };
     for (;;) {
       const auto found = lines_.next(wanted);
       PLUMBLINE_TRY(found);
       if (!*found) return {};
+      if (lines_.keyword() == "surf") {
+        return input().fail(ErrorCode::kUnsupported,
+                            "line %llu: a free-form surface, whose vertices don't lie on it;\texport it as a mesh",
+                            number());
+      }
       PLUMBLINE_TRY(lines_.keyword() == "v" ? read_vertex() : read_face());
     }
   }

@@ -1,4 +1,5 @@
 #include "slicer/reader/records/record_text.hpp"
+#include "slicer/reader/records/records_end.hpp"
 #include "slicer/reader/stream/line_input.hpp"
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/triangles/faces.hpp"
@@ -33,7 +34,7 @@ class OffReader {
     for (std::uint64_t i = 0; i < vertices; ++i) PLUMBLINE_TRY(read_vertex());
     FaceFan fan(vertices_, batch_);
     for (std::uint64_t i = 0; i < faces; ++i) PLUMBLINE_TRY(read_face(fan));
-    return {};
+    return check_text_end(lines_, "faces", faces);
   }
 
  private:

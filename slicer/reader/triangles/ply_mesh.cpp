@@ -1,6 +1,9 @@
+#include <cmath>
+
 #include "slicer/reader/formats/ply_header.hpp"
 #include "slicer/reader/records/record_binary.hpp"
 #include "slicer/reader/records/record_text.hpp"
+#include "slicer/reader/records/records_end.hpp"
 #include "slicer/reader/stream/line_input.hpp"
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/triangles/faces.hpp"
@@ -46,9 +49,16 @@ class PlyMeshReader {
     header_ = *header;
     batch_.summary().format = ScanFormat::kPly;
     batch_.summary().encoding = header_.encoding();
-    if (header_.face.count == 0) {
+    if (header_.declared_faces == 0) {
       return telling(Told(ToldCode::kNoFaces),
-                     input_.fail(ErrorCode::kUnsupported, "the file has no faces that can be read;\tuse --as points"));
+                     input_.fail(ErrorCode::kUnsupported, "the file has points but no faces;\tuse --as points"));
+    }
+    if (header_.face.count < header_.declared_faces) {
+      return input_.fail(ErrorCode::kUnsupported,
+                         "%llu of its %llu faces can be read: those of one element behind the vertices, with a list "
+                         "'vertex_indices';\texport it again, or use --as points",
+                         static_cast<unsigned long long>(header_.face.count),
+                         static_cast<unsigned long long>(header_.declared_faces));
     }
     PLUMBLINE_TRY(skip(header_.before_vertex));
     PLUMBLINE_TRY(read_vertices(memory));
@@ -57,7 +67,10 @@ class PlyMeshReader {
       face_ = done;
       PLUMBLINE_TRY(header_.ascii ? read_text_face() : read_binary_face());
     }
-    return {};
+    if (!header_.ends_with_faces) return {};
+    const PlyElement& face = header_.face;
+    return header_.ascii ? check_text_end(lines_, "faces", face.count)
+                         : check_end(input_, "faces", face.count, face.layout.least_bytes());
   }
 
  private:
@@ -101,10 +114,11 @@ class PlyMeshReader {
       strip_.begin();
       return {};
     }
-    if (!(index >= 0) || index >= static_cast<double>(vertices_.size()) || index >= kLargestIndex) {
+    if (!(index >= 0) || index >= static_cast<double>(vertices_.size()) || index >= kLargestIndex ||
+        index != std::floor(index)) {
       return input_.fail(
           ErrorCode::kMalformed,
-          "face %llu names vertex %.0f, but there are %llu, numbered from 0;\texport the file again, or use --as "
+          "face %llu names vertex %.10g, but there are %llu, numbered from 0;\texport the file again, or use --as "
           "points",
           static_cast<unsigned long long>(face_), index, static_cast<unsigned long long>(vertices_.size()));
     }
@@ -178,9 +192,10 @@ class PlyMeshReader {
           begin_corners();
           for (std::uint64_t i = 0; i < items; ++i) {
             const auto word = words.next();
-            const auto index = parse_count(word);
-            if (!index && word != "-1") return fail_face(line);
-            PLUMBLINE_TRY(add_corner(index ? static_cast<double>(*index) : -1));
+            double index = 0;
+            const char* const end = word.data() + word.size();
+            if (parse_real(word.data(), end, index) != end) return fail_face(line);
+            PLUMBLINE_TRY(add_corner(index));
           }
           break;  // what follows is not needed
         }

@@ -1,9 +1,9 @@
-#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>
 
 #include "slicer/reader/records/record_text.hpp"
+#include "slicer/reader/records/records_end.hpp"
 #include "slicer/reader/stream/line_input.hpp"
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/triangles/triangle_formats.hpp"
@@ -37,26 +37,6 @@ bool is_ascii(const ByteInput& input) {
   if (same_word(LineWords(window, kBlanksAndLineEnds).next(), "solid")) return true;
   const auto has = [&](std::string_view word) { return window.find(word) != std::string_view::npos; };
   return (has("facet") && has("vertex")) || (has("FACET") && has("VERTEX"));
-}
-
-/// Checks what follows the last triangle: nothing, less than a triangle, or zeros that fill a block of a medium.
-Status check_end(ByteInput& input, std::uint64_t count) {
-  std::uint64_t bytes = 0;
-  bool empty = true;
-  for (;;) {
-    const auto ready = input.fill(1);
-    PLUMBLINE_TRY(ready);
-    if (*ready == 0) break;
-    empty = empty && std::all_of(input.begin(), input.end(), [](char byte) { return byte == 0; });
-    bytes += *ready;
-    input.consume(*ready);
-  }
-  if (empty || bytes < kRecord) return {};
-  return input.fail(ErrorCode::kMalformed,
-                    "its header declares %llu triangles, but %llu bytes follow them, enough for %llu more;\texport it "
-                    "again",
-                    static_cast<unsigned long long>(count), static_cast<unsigned long long>(bytes),
-                    static_cast<unsigned long long>(bytes / kRecord));
 }
 
 Status read_binary(ByteInput& input, TriangleBatch& batch) {
@@ -93,7 +73,7 @@ Status read_binary(ByteInput& input, TriangleBatch& batch) {
     ++batch.summary().faces;
     PLUMBLINE_TRY(batch.add(triangle));
   }
-  return check_end(input, count);
+  return check_end(input, "triangles", count, kRecord);
 }
 
 class AsciiReader {

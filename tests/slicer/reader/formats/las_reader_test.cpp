@@ -140,5 +140,37 @@ TEST(LasReader, FewerPointsThanDeclaredAreTruncated) {
   }
 }
 
+TEST(LasReader, MorePointsThanDeclaredAreRefused) {
+  LasFile file = las_of_two_points();
+  for (const auto minor : std::initializer_list<std::uint8_t>{0, 2, 3, 4}) {
+    file.minor = minor;
+    const auto bytes = file.bytes();
+    EXPECT_TRUE(read(bytes + std::string(19, 'x'), "scan.las").summary);
+    EXPECT_TRUE(read(bytes + std::string(512, '\0'), "scan.las").summary);
+    const auto reading = read(bytes + std::string(41, 'x'), "scan.las");
+    EXPECT_EQ(reading.code(), ErrorCode::kMalformed);
+    EXPECT_THAT(reading.message(),
+                HasSubstr("scan.las: its header declares 2 points, but 41 bytes follow them, enough for 2 more"));
+  }
+}
+
+TEST(LasReader, WaveformsAndRecordsBehindThePointsAreNoPoints) {
+  LasFile file = las_of_two_points();
+  const auto with = [&](std::size_t at, std::size_t gap, unsigned records) {
+    auto bytes = file.bytes();
+    const auto behind = std::uint64_t{bytes.size() + gap};
+    bytes.replace(at, 8, little(behind));
+    if (file.minor == 4) bytes.replace(243, 4, little(records));
+    return read(bytes + std::string(gap, 'g') + std::string(200, 'x'), "scan.las");
+  };
+  file.minor = 3;
+  EXPECT_TRUE(with(227, 0, 0).summary);
+  EXPECT_EQ(with(227, 40, 0).code(), ErrorCode::kMalformed) << "points lie before the waveforms";
+  file.minor = 4;
+  EXPECT_TRUE(with(227, 0, 0).summary);
+  EXPECT_TRUE(with(235, 0, 1).summary);
+  EXPECT_EQ(with(235, 0, 0).code(), ErrorCode::kMalformed) << "there are no records";
+}
+
 }  // namespace
 }  // namespace plumbline::testing

@@ -36,6 +36,18 @@ TEST(PcdReader, ReadsAllThreeEncodings) {
                 kTwo);
 }
 
+TEST(PcdReader, RefusesMorePointsThanItsHeaderDeclares) {
+  const std::string ascii = kHead + "DATA ascii\n1 2 3\n-4 5.5 60\n";
+  const std::string binary = kHead + "DATA binary\n" + little(1.0F, 2.0F, 3.0F, -4.0F, 5.5F, 60.0F);
+  expect_points(read(ascii + "\n# the end\n"), kTwo);
+  expect_points(read(binary + std::string(4096, '\0')), kTwo);
+  EXPECT_THAT(read(ascii + "7 8 9\n", "bust.pcd").message(),
+              HasSubstr("bust.pcd: line 14: its header declares 2 points, but '7 8 9' follows them"));
+  const auto reading = read(binary + little(7.0F, 8.0F, 9.0F), "bust.pcd");
+  EXPECT_EQ(reading.code(), ErrorCode::kMalformed);
+  EXPECT_THAT(reading.message(), HasSubstr("declares 2 points, but 12 bytes follow them, enough for 1 more"));
+}
+
 TEST(PcdReader, AcceptsEveryLineEnd) {
   for (const char* end : {"\r\n", "\r"}) {
     expect_points(read(replaced(kHead + "DATA ascii\n1 2 3\n-4 5.5 60\n", "\n", end)), kTwo);

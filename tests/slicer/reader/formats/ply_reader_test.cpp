@@ -120,10 +120,25 @@ TEST(PlyReader, DropsNormalsThatAreNanOrTooLargeForAFloat) {
   EXPECT_EQ(reading.summary->without_normal, 2U);
 }
 
-TEST(PlyReader, IgnoresDataAfterTheDeclaredCount) {
+TEST(PlyReader, IgnoresElementsAfterTheVerticesButNoOtherData) {
   auto reading = read(replaced(kAsciiCube, "vertex 3", "vertex 2"));
   ASSERT_TRUE(reading.summary.has_value());
   EXPECT_EQ(reading.summary->points, 2U);
+  const std::string two =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nelement face "
+      "0\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n4 5 6\n";
+  EXPECT_TRUE(read(two + "\n  \nthe end\n").summary);
+  auto more = read(two + "7 8 9\n", "bust.ply");
+  EXPECT_EQ(more.code(), ErrorCode::kMalformed);
+  EXPECT_THAT(
+      more.message(),
+      HasSubstr("bust.ply: line 12: its header declares 2 vertices, but '7 8 9' follows them; export it again"));
+  const std::string head = replaced(two.substr(0, two.find("1 2 3")), "ascii", "binary_little_endian");
+  const std::string points = little(1.F, 2.F, 3.F, 4.F, 5.F, 6.F);
+  EXPECT_TRUE(read(head + points + std::string(11, 'x')).summary);
+  EXPECT_TRUE(read(head + points + std::string(512, '\0')).summary);
+  more = read(head + points + points, "bust.ply");
+  EXPECT_THAT(more.message(), HasSubstr("declares 2 vertices, but 24 bytes follow them, enough for 2 more"));
 }
 
 TEST(PlyReader, SaysHowManyOfTheDeclaredPointsItRead) {

@@ -119,6 +119,21 @@ TEST(MeshReader, PlyFacesMayHaveOtherPropertiesAndElementsBetween) {
   EXPECT_EQ(reading.triangles.all[2][2], Vec3d(0, 1, 0));
 }
 
+TEST(MeshReader, PlyMayHaveFacesOfFloatsAndHarmlessBytesBehindThem) {
+  const TestMesh box = box_mesh({0, 0, 0}, {1, 2, 3});
+  expect_triangles(read_triangles(replaced(ascii_ply(box), "uchar int vertex", "uchar float vertex"), "a.ply"), box,
+                   "floats");
+  for (const std::string& harmless : {"\n \n"s, "# the end\n"s, "\x1a"s, std::string(100, '\0')}) {
+    expect_triangles(read_triangles(ascii_ply(box) + harmless, "a.ply"), box, harmless);
+  }
+  const std::string binary = binary_ply_of<std::endian::little>(box);
+  for (const std::string& harmless : {"\n"s, std::string(12, 'x'), std::string(100, '\0')}) {
+    expect_triangles(read_triangles(binary + harmless, "a.ply"), box, harmless);
+  }
+  const std::string more = replaced(binary, "end_header", "element edge 9\nproperty int vertex1\nend_header");
+  expect_triangles(read_triangles(more + std::string(36, 'x'), "a.ply"), box, "edges");
+}
+
 TEST(MeshReader, OffMayHaveCommentsColoursAndItsCountsInTheFirstLine) {
   for (const std::string text :
        {"# made by\n\nOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
@@ -262,6 +277,9 @@ TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
   const std::string text = ascii_stl(box);
   const std::string ply = binary_ply_of<std::endian::little>(box);
   const std::string off = off_of(box);
+  const std::string faces = "element face 12\nproperty list uchar int vertex_indices\n";
+  const std::string faces_first =
+      replaced(replaced(ascii_ply(box), faces, ""), "element vertex", faces + "element vertex");
   constexpr auto kTruncated = ErrorCode::kTruncated;
   constexpr auto kMalformed = ErrorCode::kMalformed;
   const std::vector<Broken> all = {
@@ -277,6 +295,8 @@ TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
        kMalformed, "line 6: a facet has more than three corners"},
       {"a.obj", kSquare + "f 1 2 5\n", kMalformed,
        "line 5: a face names vertex 5, but 4 are before it, numbered from 1"},
+      {"a.obj", kSquare + "cstype bezier\nsurf 0 1 0 1 1 2 3 4\nend\n", ErrorCode::kUnsupported,
+       "line 6: a free-form surface, whose vertices don't lie on it"},
       {"a.obj", kSquare + "f 0 1 2\n", kMalformed, "a face names vertex 0"},
       {"a.obj", kSquare + "f 1 2 -5\n", kMalformed, "a face names vertex -5"},
       {"a.obj", kSquare + "f 1 2 x\n", kMalformed, "expected the number of a vertex, found 'x'"},
@@ -289,7 +309,15 @@ TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
        "face 0 names vertex 8, but there are 8, numbered from 0"},
       {"a.ply", replaced(ascii_ply(box), "\n3 0 2 3\n", "\n3 0 2\n"), kMalformed, "expected a face, found '3 0 2'"},
       {"a.ply", replaced(ascii_ply(box), "vertex_indices", "corners"), ErrorCode::kUnsupported,
-       "no faces that can be read"},
+       "0 of its 12 faces can be read"},
+      {"a.ply", faces_first, ErrorCode::kUnsupported, "0 of its 12 faces can be read: those of one element behind the"},
+      {"a.ply",
+       replaced(ascii_ply(box), "end_header", "element tristrips 3\nproperty list int int vertex_indices\nend_header"),
+       ErrorCode::kUnsupported, "12 of its 15 faces can be read"},
+      {"a.ply", replaced(ascii_ply(box), "\n3 0 2 3\n", "\n3 0 1.5 3\n"), kMalformed, "face 0 names vertex 1.5, but"},
+      {"a.ply", replaced(ascii_ply(box), "face 12", "face 11"), kMalformed, "its header declares 11 faces, but '3 "},
+      {"a.ply", replaced(ply, "face 12", "face 11"), kMalformed,
+       "its header declares 11 faces, but 13 bytes follow them, enough for 1 more"},
       {"a.off", off.substr(0, off.size() - 16), kTruncated, "before the last face"},
       {"a.off", off.substr(0, off.size() - 5), kTruncated, "before the number of a vertex"},
       {"a.off", replaced(off, "3 0 2 3\n", "3 0 2\n"), kMalformed, "expected the end of a face that begins in line"},
@@ -297,6 +325,7 @@ TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
       {"a.off", "OFF\n-3 1 0\n", kMalformed, "line 2: expected the number of its vertices, found '-3'"},
       {"a.off", "OFF\n99999999999 1 0\n0 0 0\n", kTruncated, "before the last vertex"},
       {"a.off", replaced(off, "3 0 2 3\n", "3 0 2 8\n"), kMalformed, "a face names vertex 8, but there are 8"},
+      {"a.off", off + "3 0 1 2\n", kMalformed, "its header declares 12 faces, but '3 0 1 2' follows them"},
       {"a.off", "OFF BINARY\n", ErrorCode::kUnsupported, "export it as ascii"},
   };
   for (const Broken& broken : all) {
@@ -356,7 +385,7 @@ TEST(MeshHint, ComesFromTheBeginningOfTheFile) {
   EXPECT_EQ(hint("ply\nformat ascii 1.0\nelement face 8\nproperty list uchar int vertex_indices\nelement vertex 4\n"
                  "property float x\nproperty float y\nproperty float z\nend_header\n",
                  "a.ply"),
-            MeshHint::kNone);
+            MeshHint::kMaybe);
   EXPECT_EQ(hint("ply\nformat ascii 1.0\nelement vertex 100\nproperty float x\nproperty float y\nproperty float z\n"
                  "element tristrips 1\nproperty list int int vertex_indices\nend_header\n",
                  "a.ply"),
