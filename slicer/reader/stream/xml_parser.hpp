@@ -14,6 +14,7 @@
 #include "slicer/reader/stream/byte_input.hpp"
 #include "slicer/reader/stream/fixed_heap.hpp"
 #include "slicer/reader/stream/number.hpp"
+#include "slicer/reader/stream/words.hpp"
 
 struct XML_ParserStruct;  ///< of expat
 
@@ -38,10 +39,14 @@ class XmlAttributes {
   const char** list_;
 };
 
-/// Parses a whole attribute or text.
+inline constexpr Separators kXmlBlanks{" \t\r\n"};
+
+/// Parses a whole attribute or text, with blanks around it.
 /// @returns false if it is empty, no number, or not a finite one
 template <class Number>
 bool parse_number(std::string_view text, Number& number) {
+  while (!text.empty() && kXmlBlanks(text.front())) text.remove_prefix(1);
+  while (!text.empty() && kXmlBlanks(text.back())) text.remove_suffix(1);
   const char* const end = text.data() + text.size();
   if constexpr (std::is_floating_point_v<Number>) {
     return !text.empty() && parse_real(text.data(), end, number) == end && std::isfinite(number);

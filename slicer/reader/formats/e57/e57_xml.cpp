@@ -66,8 +66,6 @@ class E57Document final : public XmlHandler {
   using Fields = std::array<E57Field, 3>;
   using Kind = E57Field::Kind;
 
-  static constexpr Separators kXmlBlanks{" \t\r\n"};
-
   void begin_scan() {
     scan_ = {};
     rotation_ = {1, 0, 0, 0};

@@ -1,6 +1,7 @@
 #include "slicer/reader/triangles/threemf/model_parts.hpp"
 
 #include <algorithm>
+#include <charconv>
 
 #include "slicer/core/numbers/mix64.hpp"
 #include "slicer/reader/stream/words.hpp"
@@ -10,7 +11,6 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "reading 3MF";
-constexpr Separators kXmlBlanks{" \t\r\n"};
 
 }  // namespace
 
@@ -31,9 +31,16 @@ std::optional<Affine> parse_transform(std::string_view text) {
 std::uint64_t part_key(std::string_view path) {
   if (path.starts_with('/')) path.remove_prefix(1);
   std::uint64_t key = 0;
-  for (const char c : path) {
-    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    key = mix64(key + kGoldenStep64 + static_cast<unsigned char>(lower));
+  while (!path.empty()) {
+    unsigned byte = static_cast<unsigned char>(path.front());
+    std::size_t length = 1;
+    if (byte == '%' && path.size() >= 3) {
+      const char* const code = path.data() + 1;
+      if (std::from_chars(code, code + 2, byte, 16).ptr == code + 2) length = 3;
+    }
+    path.remove_prefix(length);
+    if (byte == '\\') byte = '/';  // as some programs on Windows write
+    key = mix64(key + kGoldenStep64 + (byte >= 'A' && byte <= 'Z' ? byte - 'A' + 'a' : byte));
   }
   return key;
 }

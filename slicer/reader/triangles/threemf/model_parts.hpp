@@ -33,7 +33,7 @@ struct ObjectKey {
   friend bool operator==(const ObjectKey&, const ObjectKey&) = default;
 };
 
-/// @param path  of a part: "/3D/3dmodel.model" is the same as "3d/3dmodel.model"
+/// @param path  of a part: "/3D/one%20part.model" is the same as "3d/one part.model" (ECMA-376-2, 6.2.2)
 std::uint64_t part_key(std::string_view path);
 
 /// All build items and components.

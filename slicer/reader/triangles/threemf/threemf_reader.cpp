@@ -57,6 +57,7 @@ class ModelDocument : public XmlHandler {
         break;
       case 5:
         if (is_components_ && name == "component") place(attributes, object_);
+        if (is_mesh_ && name == "beamlattice") beams();
         list_ = !is_mesh_             ? List::kOther
                 : name == "vertices"  ? List::kVertices
                 : name == "triangles" ? List::kTriangles
@@ -82,6 +83,7 @@ class ModelDocument : public XmlHandler {
   virtual void end_object() {}
   virtual void vertex(const XmlAttributes& /*attributes*/) {}
   virtual void triangle(const XmlAttributes& /*attributes*/) {}
+  virtual void beams() {}
   virtual void placed(const ObjectKey& /*child*/, const ObjectKey& /*in*/, const Affine& /*place*/) {}
 
   ModelParts& parts() { return parts_; }
@@ -191,6 +193,10 @@ class MeshDocument final : public ModelDocument {
     if (vertices_.add(p)) return;
     full_ = true;
     parser_->complain("no room for another vertex");
+  }
+
+  void beams() override {
+    if (is_printed_) parser_->complain("an object has a lattice of beams, which is not supported");
   }
 
   void triangle(const XmlAttributes& attributes) override {
@@ -305,7 +311,7 @@ class ThreeMfReader {
   static bool is_model(const ZipParts& part) { return has_ending(part.name(), ".model"); }
 
   Status read_places(ZipParts& part) {
-    if (same_word(part.name(), "_rels/.rels")) {
+    if (part_key(part.name()) == part_key("_rels/.rels")) {
       RelationDocument relations(parts_);
       return parse(part, relations);
     }

@@ -82,9 +82,16 @@ Status ZipParts::read_head() {
     sizes_follow_ = false;
     return {};
   }
-  return input_.fail(ErrorCode::kUnsupported, "byte %llu: '%s' %s;\texport the file again, without a password",
-                     static_cast<unsigned long long>(input_.offset()), Quote(name()).c_str(),
-                     encrypted_ ? "is encrypted" : "does not say how long it is");
+  const auto at = static_cast<unsigned long long>(input_.offset());
+  if (encrypted_) {
+    return input_.fail(ErrorCode::kUnsupported,
+                       "byte %llu: '%s' is encrypted;\texport the file again, without a password", at,
+                       Quote(name()).c_str());
+  }
+  return input_.fail(
+      ErrorCode::kUnsupported,
+      "byte %llu: '%s' is not compressed and does not say how long it is;\texport the file again, compressed", at,
+      Quote(name()).c_str());
 }
 
 /// Takes the extra fields of a header.
@@ -105,7 +112,8 @@ Expected<std::span<const char>> ZipParts::piece() {
   if (method_ == kDeflated) return inflate_.next(InflateStream::kWindow);
   if (left_ == 0) return std::span<const char>();
   PLUMBLINE_TRY(need(1));
-  const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(left_, input_.available()));
+  const auto size = static_cast<std::size_t>(
+      std::min<std::uint64_t>({left_, input_.available(), InflateStream::kWindow}));  // expat keeps a copy
   const std::span<const char> stored(input_.begin(), size);
   input_.consume(size);
   left_ -= size;

@@ -83,6 +83,23 @@ TEST(ThreeMf, IsReadHoweverItIsPacked) {
   }
 }
 
+TEST(ThreeMf, ALargeModelMayBeStored) {
+  std::string model = built(block(1), "<item objectid=\"1\"/>");
+  const std::string one = "<vertex x=\"1\" y=\"2\" z=\"3\"/>";
+  std::string many;
+  while (many.size() < 200'000) many += one;
+  model.insert(model.find("</vertices>"), many);
+  ZipPart part{"3D/3dmodel.model", model};
+  part.deflated = false;
+  expect_box(ThreeMf(zip_of({part}), 10'000), {0, 0, 0}, {1, 2, 3}, 6, "stored");
+}
+
+TEST(ThreeMf, NumbersMayHaveBlanksAroundThemAndPathsBackslashes) {
+  const std::string model = replaced(built(block(1), "<item objectid=\"1\"/>"), "x=\"1\"", "x=\"  1.0E+00 \"");
+  const ThreeMf file(zip_of({{"3D\\root.model", model}, {"_rels\\.rels", relations_to("/3D/root.model")}}));
+  expect_box(file, {0, 0, 0}, {1, 2, 3}, 6, "blanks and backslashes");
+}
+
 TEST(ThreeMf, IsInMillimetresWhateverItsUnit) {
   const std::pair<const char*, double> units[] = {{"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10},
                                                   {"inch", 25.4},    {"foot", 304.8},   {"meter", 1000}};
@@ -171,6 +188,10 @@ TEST(ThreeMf, ObjectsMayBeInOtherModelsOfTheFile) {
   expect_box(before, {0, 0, 5}, {1, 2, 8}, 6, "the object first");
   const ThreeMf after(zip_of({{"3D/3dmodel.model", root}, {"3d/objects/One.model", other}}));
   expect_box(after, {0, 0, 5}, {1, 2, 8}, 6, "the object last, with other letters");
+  const std::string coded = replaced(root, "/3D/Objects/one.model", "/3D/one%20part%C3%A4.model");
+  for (const char* name : {"3D/one part\xc3\xa4.model", "3D/one%20part%c3%a4.model"}) {
+    expect_box(ThreeMf(zip_of({{"3D/3dmodel.model", coded}, {name, other}})), {0, 0, 5}, {1, 2, 8}, 6, name);
+  }
 }
 
 TEST(ThreeMf, OneObjectsVerticesAreKeptAtATime) {
@@ -222,7 +243,8 @@ TEST(ThreeMf, BrokenAndHostileFilesAreRefusedInWords) {
       {"cut before its directory", whole.substr(0, whole.find("PK\x01\x02"s)), ErrorCode::kTruncated,
        "before its archive does"},
       {"encrypted", part(encrypted), ErrorCode::kUnsupported, "is encrypted"},
-      {"stored without a size", part(endless), ErrorCode::kUnsupported, "does not say how long it is"},
+      {"stored without a size", part(endless), ErrorCode::kUnsupported,
+       "is not compressed and does not say how long it is"},
       {"another method", part(other), ErrorCode::kUnsupported, "method 12"},
       {"a wrong checksum", part(wrong), ErrorCode::kMalformed, "the checksum of '3D/3dmodel.model' is wrong"},
       {"no model", zip_of({{"word/document.xml", "<a/>"}}), ErrorCode::kUnsupported, "no 3D model"},
@@ -236,6 +258,8 @@ TEST(ThreeMf, BrokenAndHostileFilesAreRefusedInWords) {
             "requiredextensions=\"b\" xmlns:b=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02\" "
             "unit="),
        ErrorCode::kMalformed, "needs the extension 'b'"},
+      {"a beam lattice that is not required", with("</mesh>", "<b:beamlattice xmlns:b=\"b\"/></mesh>"),
+       ErrorCode::kMalformed, "an object has a lattice of beams, which is not supported"},
       {"no coordinate", with("x=\"1\"", "x=\"one\""), ErrorCode::kMalformed, "'one' is not a coordinate"},
       {"a missing coordinate", with("x=\"1\"", ""), ErrorCode::kMalformed, "'' is not a coordinate"},
       {"no number of a vertex", with("v2=\"2\"", "v2=\"-2\""), ErrorCode::kMalformed, "names vertex '-2'"},
