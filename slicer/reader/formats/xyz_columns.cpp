@@ -8,6 +8,9 @@
 namespace plumbline {
 namespace {
 
+/// Rows whose first column counts them; fewer may do so by chance.
+constexpr std::size_t kLeastCounted = 8;
+
 enum class Length : std::uint8_t { kOne, kNone, kOther };
 
 Length length_of(const double* v) {
@@ -39,6 +42,8 @@ std::optional<XyzColumns> columns_between(std::string_view line, const Separator
     while (kBlanks(name.front()) && name.size() > 1) name.remove_prefix(1);
     while (kBlanks(name.back()) && name.size() > 1) name.remove_suffix(1);
     while (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+    name = name.substr(0, name.find_first_of("[("));  // a unit follows, as in "X [mm]"
+    while (name.size() > 1 && kBlanks(name.back())) name.remove_suffix(1);
     const std::size_t slot = slot_of(name);
     if (slot < kSlots && names < kMaxColumns && columns.of[slot] == kMaxColumns) columns.of[slot] = names;
   }
@@ -62,6 +67,15 @@ std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& na
   while (!line.empty() && (line.front() == '#' || line.front() == '/' || line.front() == ';')) line.remove_prefix(1);
   if (const auto columns = columns_between(line, kCells, names)) return columns;
   return columns_between(line, kBlanksAndCommas, names);
+}
+
+bool counts_points(std::span<const XyzRow> rows) {
+  if (rows.size() < kLeastCounted || rows.front().columns < 4) return false;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    if (rows[i].columns < 4 || rows[i].values[0] != rows[i - 1].values[0] + 1) return false;
+  }
+  return std::any_of(rows.begin(), rows.end(),
+                     [&](const XyzRow& row) { return row.values[1] != rows.front().values[1]; });
 }
 
 XyzColumns columns_by_values(std::span<const XyzRow> rows) {

@@ -33,6 +33,10 @@ struct XyzColumns {
 /// @returns nothing if it does not name x, y and z
 std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& names);
 
+/// Whether the first of four columns or more seems to be the number of the point: it grows by one from row to row, while the second one
+/// varies. In the first line of a range image, where the first column counts too, the second one is the same for all pixels.
+bool counts_points(std::span<const XyzRow> rows);
+
 /// Guesses the columns from the first rows. The first three are the position.
 ///
 /// Normals, colours, intensities and class numbers may follow, and the file doesn't say which. Three columns are taken for

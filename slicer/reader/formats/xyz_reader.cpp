@@ -49,21 +49,30 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// Commas are decimal in "1,25 3,5 7": no number has a decimal point, none has two commas, each comma is between digits, and
 /// other characters separate at least three numbers. They separate where none is between digits with other separators
-/// around, as in "1,2,3" or "1, 2, 3". A row such as "1,2,3 4,5,6" could be either.
+/// around, as in "1,2,3" or "1, 2, 3", and where there are decimal points, as in "1.5,2.5,3". A row such as "1,2,3 4,5,6", "1,234.5 6 7" or
+/// "1.234,5 6 7" could be either.
 Commas commas_of(std::string_view text) {
   if (text.find(',') == std::string_view::npos) return Commas::kNone;
   bool is_decimal = true;
   bool has_inner = false;
+  bool has_point = false;
+  bool is_number = true;  // x, y and z may be numbers by themselves
+  bool has_inner_xyz = false;
   std::size_t numbers = 0;
   LineWords words(text, kAllButCommas);
   for (auto word = words.next(); !word.empty(); word = words.next(), ++numbers) {
-    if (word.find('.') != std::string_view::npos) return Commas::kSeparators;
+    has_point = has_point || word.find('.') != std::string_view::npos;
     const std::size_t comma = word.find(',');
     if (comma == std::string_view::npos) continue;
     const bool inner = comma > 0 && comma + 1 < word.size() && is_digit(word[comma - 1]) && is_digit(word[comma + 1]);
+    const bool one = inner && word.find(',', comma + 1) == std::string_view::npos;
     has_inner = has_inner || inner;
-    is_decimal = is_decimal && inner && word.find(',', comma + 1) == std::string_view::npos;
+    is_decimal = is_decimal && one;
+    if (numbers >= 3) continue;
+    is_number = is_number && one;
+    has_inner_xyz = has_inner_xyz || inner;
   }
+  if (has_point) return numbers >= 3 && is_number && has_inner_xyz ? Commas::kUnclear : Commas::kSeparators;
   if (numbers >= 3 && is_decimal) return Commas::kDecimal;
   return numbers > 1 && has_inner ? Commas::kUnclear : Commas::kSeparators;
 }
@@ -76,6 +85,7 @@ class XyzReader {
 
   Status read() {
     PLUMBLINE_TRY(read_sample());
+    if (sampled_ == 0 && heading_ && !named_) return fail_unknown(heading_line_, *heading_);
     PLUMBLINE_TRY(decide_columns());
     PLUMBLINE_TRY(deliver_sample());
     if (!ended_) PLUMBLINE_TRY(read_rest());
@@ -109,8 +119,9 @@ class XyzReader {
       }
       if (take_count(text)) continue;
       XyzRow row = parse_numbers(text, kBlanksAndCommas);
-      if (row.columns == 0 && sampled_ == 0 && !has_words_) {
-        has_words_ = true;
+      if (row.columns == 0 && sampled_ == 0 && !heading_) {
+        heading_.emplace(text);
+        heading_line_ = lines_.number();
         remember_names(text);
         continue;
       }
@@ -142,12 +153,16 @@ class XyzReader {
     return true;
   }
 
+  tl::unexpected<Error> fail_unknown(std::uint64_t line, const Quote& found) const {
+    return input_.fail(ErrorCode::kUnknownFormat,
+                       "line %llu: expected a row of numbers x y z, found '%s';\tgive a scan in PLY, XYZ, PTS, PTX, "
+                       "LAS, PCD or OBJ",
+                       static_cast<unsigned long long>(line), found.c_str());
+  }
+
   Status check(const XyzRow& row, std::string_view text) {
     if (row.columns == 0 && sampled_ == 0) {
-      return input_.fail(ErrorCode::kUnknownFormat,
-                         "line %llu: expected a row of numbers x y z, found '%s';\tgive a scan in PLY, XYZ, PTS, PTX, "
-                         "LAS, PCD or OBJ",
-                         number(), Quote(text).c_str());
+      return fail_unknown(lines_.number(), Quote(text));
     }
     if (row.columns < 3) {
       static constexpr const char* kMissing[] = {"x", "y", "z"};
@@ -173,7 +188,7 @@ class XyzReader {
     if (commas_ == Commas::kUnclear) {
       return input_.fail(ErrorCode::kUnsupported,
                          "line %llu: the commas in '%s' may be decimal or separate numbers;\texport the file with "
-                         "decimal points",
+                         "decimal points and without separators of thousands",
                          number(), Quote(text).c_str());
     }
     if (commas_ != Commas::kDecimal) return {};
@@ -191,6 +206,12 @@ class XyzReader {
     const auto rows = sample_.first(sampled_);
     if (named_ && !rows.empty() && rows.front().columns == std::min(names_, kMaxColumns)) {
       columns_ = *named_;
+    } else if (counts_points(rows)) {
+      return input_.fail(
+          ErrorCode::kUnsupported,
+          "line %llu: the first column seems to number the points;\tname all columns in a line above it, "
+          "such as 'id x y z'",
+          static_cast<unsigned long long>(rows.front().line));
     } else {
       columns_ = columns_by_values(rows);
     }
@@ -262,7 +283,8 @@ class XyzReader {
   Line line_;
   std::optional<std::uint64_t> declared_;
   std::uint64_t rows_ = 0;
-  bool has_words_ = false;
+  std::optional<Quote> heading_;  ///< a line of words before the first row
+  std::uint64_t heading_line_ = 0;
   bool ended_ = false;
 };
 

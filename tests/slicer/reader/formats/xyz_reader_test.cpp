@@ -106,8 +106,24 @@ TEST(XyzReader, TakesNamedColumnsByTheirNames) {
   expect_points(read("\"x\",\"y\",\"z\"\n1,2,3\n-4,5.5,60\n", "a.csv"), kTwo, false);
   expect_points(read("Point ID, X ,Y,Z\n77,1,2,3\n78,-4,5.5,60\n", "a.csv"), kTwo, false);
   expect_points(read("Punkt Nr.;x;y;z\n77;1;2;3\n78;-4;5,5;60\n", "a.csv"), kTwo, false);
+  expect_points(read("Index;X [mm];Y [mm];Z (mm)\n77;1;2;3\n78;-4;5,5;60\n", "a.csv"), kTwo, false);
   // Names that do not fit the rows are only a comment.
   expect_points(read("# the z of x and y\n1 2 3\n-4 5.5 60\n"), kTwo, false);
+}
+
+TEST(XyzReader, RefusesANumberOfThePointAsItsCoordinate) {
+  std::string rows, image;
+  for (int i = 1; i <= 8; ++i) {
+    rows += std::to_string(i) + ",1." + std::to_string(i) + ",2,3,corner\n";
+    image += std::to_string(i) + " 1 2 3\n";
+  }
+  const auto reading = read(rows, "survey.csv");
+  EXPECT_EQ(reading.code(), ErrorCode::kUnsupported);
+  EXPECT_THAT(reading.message(), HasSubstr("survey.csv: line 1: the first column seems to number the points; name"));
+  const auto named = read("id,x,y,z\n" + rows, "survey.csv");
+  ASSERT_TRUE(named.summary.has_value()) << named.message();
+  EXPECT_TRUE(same_point(named.sink.points.back(), {1.8, 2, 3, 0, 0, 0}));
+  EXPECT_TRUE(read(image).summary.has_value()) << "the first line of a range image";
 }
 
 TEST(XyzReader, DropsAndCountsPointsThatAreNotFinite) {
@@ -168,7 +184,8 @@ TEST(XyzReader, ReadsDecimalCommasAfterTheSampledRows) {
 }
 
 TEST(XyzReader, RefusesCommasThatMayBeDecimalOrSeparateNumbers) {
-  for (const char* file : {"1,2,3 4,5,6\n", "1,2,3\n1,5 2,5 3,5\n", "1,2 3\n", "1,2;3,4\n"}) {
+  for (const char* file : {"1,2,3 4,5,6\n", "1,2,3\n1,5 2,5 3,5\n", "1,2 3\n", "1,2;3,4\n", "1,234.5 6.5 7.5\n",
+                           "1.234,5 6,5 7,5\n", "1,5 2,5 3.5\n"}) {
     const auto reading = read(file);
     EXPECT_EQ(reading.code(), ErrorCode::kUnsupported) << file;
     EXPECT_THAT(reading.message(), HasSubstr("may be decimal or separate numbers"));
@@ -176,12 +193,20 @@ TEST(XyzReader, RefusesCommasThatMayBeDecimalOrSeparateNumbers) {
   EXPECT_TRUE(read("1,2,3\n").summary.has_value());
   EXPECT_TRUE(read("1, 2, 3\n").summary.has_value());
   EXPECT_TRUE(read("1 ,2 ,3\n").summary.has_value());
+  for (const char* file :
+       {"1.5,2.5,3.5,a name of it\n", "1.5, 2.5, 3.5,4.5\n", "1.5 2.5 3.5 a,b\n", "1.5,2.5,3.5 255,0,0 2,0,0\n"}) {
+    expect_points(read(file), {{1.5, 2.5, 3.5, 0, 0, 0}}, false);
+  }
 }
 
 TEST(XyzReader, RefusesTextThatIsNoTable) {
   const auto reading = read("Dear printer,\nplease print my head.\nThanks\n", "letter.txt");
   EXPECT_EQ(reading.code(), ErrorCode::kUnknownFormat);
   EXPECT_EQ(read("# nothing\n", "a.xyz").code(), ErrorCode::kNoPoints);
+  EXPECT_EQ(read("X Y Z\n", "a.xyz").code(), ErrorCode::kNoPoints);
+  const auto json = read("[[1,2,3],[4,5,6]]", "a.txt");
+  EXPECT_EQ(json.code(), ErrorCode::kUnknownFormat);
+  EXPECT_THAT(json.message(), HasSubstr("a.txt: line 1: expected a row of numbers x y z, found '[[1,2,3],[4,5,6]]'"));
   EXPECT_EQ(read("1 2\n").code(), ErrorCode::kMalformed);
 }
 
