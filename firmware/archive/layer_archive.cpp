@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <optional>
 #include <utility>
 
+#include "firmware/archive/layer_numbers.hpp"
 #include "firmware/io/text/fixed_text.hpp"
-#include "firmware/io/text/last_number.hpp"
 #include "firmware/pictures/reduced_picture.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/words/printable_text.hpp"
@@ -18,32 +17,6 @@ namespace {
 
 /// More than any slicer's settings have.
 constexpr std::size_t kMostSettingsBytes = 65536;
-
-bool holds(std::string_view name, std::string_view word) {
-  for (std::size_t at = 0; at + word.size() <= name.size(); ++at) {
-    if (same_word(name.substr(at, word.size()), word)) return true;
-  }
-  return false;
-}
-
-std::string_view file_of(std::string_view name) {
-  const auto slash = name.rfind('/');
-  return slash == std::string_view::npos ? name : name.substr(slash + 1);
-}
-
-/// macOS adds a second, hidden file for each.
-bool is_picture(std::string_view name) { return has_ending(name, ".png") && !file_of(name).starts_with('.'); }
-
-bool is_thumbnail(std::string_view name) {
-  return is_picture(name) && (holds(name, "thumbnail") || holds(name, "preview"));
-}
-
-/// The layer's number in an entry's name; none if the entry is no layer.
-std::optional<std::uint64_t> layer_number(std::string_view name) {
-  if (!is_picture(name) || is_thumbnail(name)) return std::nullopt;
-  const auto file = file_of(name);
-  return last_number(file.substr(0, file.size() - 4));
-}
 
 Status decode(ZipReader& zip, const ArchiveLayer& layer, const MaskTurn& turn, BitImage out) {
   PLUMBLINE_TRY(zip.open_entry(layer.place));
@@ -80,7 +53,7 @@ Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
     if (is_thumbnail(entry) && archive.thumbnail_count_ < kMostThumbnails) {
       archive.thumbnails_[archive.thumbnail_count_++] = place;
     }
-    const auto number = layer_number(entry);
+    const auto number = number_of_layer(entry);
     if (!number) return {};
     if (!first || *number < least) {
       first = place;
@@ -99,6 +72,11 @@ Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
   // Where both have a key, the value of the first one counts.
   if (prusaslicer) PLUMBLINE_TRY(archive.read_settings(*prusaslicer, "prusaslicer.ini"));
   if (config) PLUMBLINE_TRY(archive.read_settings(*config, "config.ini"));
+  if (archive.layers_ < archive.settings_.layers.value_or(0)) {
+    return fail(ErrorCode::kTruncated,
+                "%s: has %u of the %u layers that its config.ini declares.\tCopy or export it again",
+                archive.zip_.name().c_str(), archive.layers_, *archive.settings_.layers);
+  }
   if (prusaslicer) {
     // As PrusaSlicer draws them: RasterBase.hpp, Trafo. Its first row has the largest y, and portrait mirrors x.
     const Sl1Settings& s = archive.settings_;
@@ -144,7 +122,7 @@ Expected<PngSize> LayerArchive::read_size(const ZipPlace& place, const char* wha
 Status LayerArchive::list(std::span<ArchiveLayer> out) {
   std::size_t count = 0;
   PLUMBLINE_TRY(zip_.for_each([&](std::string_view entry, const ZipPlace& place) -> Status {
-    const auto number = layer_number(entry);
+    const auto number = number_of_layer(entry);
     if (number && count < out.size()) out[count++] = {place, *number, 0};
     return {};
   }));
@@ -156,15 +134,8 @@ Status LayerArchive::list(std::span<ArchiveLayer> out) {
     return fail(ErrorCode::kMalformed, "%s: two layers have the number %llu.\tPack one print into one archive",
                 zip_.name().c_str(), static_cast<unsigned long long>(twice != listed.end() ? twice->number : 0));
   }
-  // Some programs number the layers in steps. Where a step is longer than another, a layer is missing.
-  std::uint64_t step = std::numeric_limits<std::uint64_t>::max();
-  for (std::size_t i = 1; i < count; ++i) step = std::min(step, listed[i].number - listed[i - 1].number);
-  const auto gap = std::adjacent_find(listed.begin(), listed.end(),
-                                      [step](const auto& a, const auto& b) { return b.number - a.number != step; });
-  if (gap == listed.end()) return {};
-  return fail(ErrorCode::kMalformed, "%s: layer %llu is missing between %llu and %llu.\tCopy or export it again",
-              zip_.name().c_str(), static_cast<unsigned long long>(gap->number + step),
-              static_cast<unsigned long long>(gap->number), static_cast<unsigned long long>((gap + 1)->number));
+  return check_none_missing(
+      count, [&](std::size_t i) { return listed[i].number; }, zip_.name().c_str());
 }
 
 Status LayerArchive::read(const ArchiveLayer& layer, BitImage out) { return decode(zip_, layer, turn_, out); }

@@ -33,6 +33,7 @@ class LayerArchive {
   /// @param file  see ZipReader::open()
   /// @retval any error of ZipReader
   /// @retval ErrorCode::kNoPoints    no layer, or more than PrintGrid::kMaxLayers
+  /// @retval ErrorCode::kTruncated   fewer layers than its settings declare
   /// @retval ErrorCode::kMalformed   settings that read_sl1_settings() refuses, or a first layer that is no PNG
   [[nodiscard]] static Expected<LayerArchive> open(int file, std::string_view name);
   /// The same for a file in memory, which must outlive the archive.
@@ -45,7 +46,7 @@ class LayerArchive {
   const MaskTurn& turn() const { return turn_; }
 
   /// @param out  layers() of them, lowest first
-  /// @retval ErrorCode::kMalformed  two layers have one number
+  /// @retval ErrorCode::kMalformed  two layers have one number, or a number is missing
   [[nodiscard]] Status list(std::span<ArchiveLayer> out);
 
   /// @param out  columns() x rows(), row 0 with the smallest y

@@ -42,12 +42,13 @@ std::string_view trimmed(std::string_view text) {
 }  // namespace
 
 Status read_sl1_settings(std::string_view text, Sl1Settings& settings) {
+  constexpr double kMostLayers = 1e6;
   struct Rule {
     std::string_view key;
     double low, high;
     std::optional<double>* to;
   };
-  std::optional<double> faded, mirror_x, mirror_y;
+  std::optional<double> faded, fast, slow, mirror_x, mirror_y;
   const Rule rules[] = {
       {"layer_height", 0.005, 1, &settings.layer_height_mm},
       {"layerHeight", 0.005, 1, &settings.layer_height_mm},
@@ -57,11 +58,14 @@ Status read_sl1_settings(std::string_view text, Sl1Settings& settings) {
       {"expTimeFirst", 0.1, 1000, &settings.initial_exposure_s},
       {"faded_layers", 0, 1000, &faded},
       {"numFade", 0, 1000, &faded},
+      {"numFast", 0, kMostLayers, &fast},
+      {"numSlow", 0, kMostLayers, &slow},
       {"display_width", 1, 10000, &settings.width_mm},
       {"display_height", 1, 10000, &settings.depth_mm},
       {"display_mirror_x", 0, 1, &mirror_x},
       {"display_mirror_y", 0, 1, &mirror_y},
   };
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   while (!text.empty()) {
     const auto line = text.substr(0, text.find_first_of("\r\n"));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
@@ -82,6 +86,7 @@ Status read_sl1_settings(std::string_view text, Sl1Settings& settings) {
     *rule->to = number;
   }
   if (faded && !settings.faded_layers) settings.faded_layers = static_cast<std::uint32_t>(*faded);
+  if (fast && slow && !settings.layers) settings.layers = static_cast<std::uint32_t>(*fast + *slow);
   settings.mirror_x = settings.mirror_x || mirror_x.value_or(0) > 0;
   settings.mirror_y = settings.mirror_y || mirror_y.value_or(0) > 0;
   return {};

@@ -29,6 +29,7 @@ struct Sl1Settings {
   std::optional<double> layer_height_mm;
   std::optional<double> exposure_s, initial_exposure_s;
   std::optional<std::uint32_t> faded_layers;
+  std::optional<std::uint32_t> layers;                        ///< of the print
   std::optional<double> width_mm, depth_mm;                   ///< of the panel, along x and y
   bool mirror_x = false, mirror_y = false, portrait = false;  ///< display_mirror_x, ...: PrusaSlicer's
 };

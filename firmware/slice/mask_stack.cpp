@@ -3,15 +3,14 @@
 #include <fcntl.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <utility>
 
+#include "firmware/archive/layer_numbers.hpp"
 #include "firmware/io/file_source.hpp"
-#include "firmware/io/text/last_number.hpp"
 #include "firmware/pictures/png_writer.hpp"
 #include "slicer/core/print_grid.hpp"
 
@@ -24,12 +23,6 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kLargestFile = std::uint64_t{512} << 20U;
 /// A manifest with a hash for each of 65535 layers has 2 MB.
 constexpr std::uint64_t kLargestManifest = std::uint64_t{16} << 20U;
-
-bool ends_in_png(const std::string& name) {
-  std::string end = name.substr(name.size() - std::min<std::size_t>(name.size(), 4));
-  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return end == ".png";
-}
 
 Status read_whole(const std::string& path, std::uint64_t largest, std::vector<std::byte>& bytes) {
   auto file = FileSource::open(path);
@@ -116,8 +109,7 @@ Expected<MaskStack> MaskStack::open(const std::string& path) {
   fs::directory_iterator entries(folder, error);
   for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
     const std::string name = entries->path().filename().string();
-    if (!ends_in_png(name)) continue;
-    if (const auto number = last_number(name.substr(0, name.size() - 4))) numbered.emplace_back(*number, name);
+    if (const auto number = number_of_layer(name)) numbered.emplace_back(*number, name);
   }
   if (error) {
     return fail(ErrorCode::kCannotOpen, "%s: cannot be listed: %s.\tName a folder of PNG files", folder.c_str(),
@@ -136,6 +128,8 @@ Expected<MaskStack> MaskStack::open(const std::string& path) {
     return fail(ErrorCode::kMalformed, "%s: '%s' and '%s' have the same number.\tName a folder that holds one stack",
                 folder.c_str(), twice->second.c_str(), std::next(twice)->second.c_str());
   }
+  PLUMBLINE_TRY(check_none_missing(
+      numbered.size(), [&](std::size_t i) { return numbered[i].first; }, folder.c_str()));
   MaskStack stack;
   for (const auto& [number, name] : numbered) stack.files_.push_back((folder / name).string());
   PLUMBLINE_TRY(stack.load(0));

@@ -26,12 +26,12 @@ class MaskStack {
   static constexpr std::uint32_t kMostLayers = 65535;
 
   /// Lists the PNG files of a folder, or of its folder `layers`. They are layers in the order of the last number in their names;
-  /// those without a number, such as preview.png, are left out.
+  /// those without a number, thumbnails and previews are left out.
   /// An archive's are LayerArchive's.
   /// @retval ErrorCode::kCannotOpen  the folder can't be listed
   /// @retval any error of LayerArchive
   /// @retval ErrorCode::kNoPoints    it has no such file
-  /// @retval ErrorCode::kMalformed   two files have one number, or the first one is no PNG
+  /// @retval ErrorCode::kMalformed   two files have one number, a number is missing, or the first one is no PNG
   [[nodiscard]] static Expected<MaskStack> open(const std::string& path);
 
   std::uint32_t layers() const { return static_cast<std::uint32_t>(archive_ ? archive_layers_.size() : files_.size()); }

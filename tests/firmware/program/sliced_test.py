@@ -150,6 +150,19 @@ class Printed(Sliced):
         steps = self.pack({f"{i}.png": layer for i in (50, 100, 150)}, name="steps.zip")
         self.run_it("check", steps, "--printer", SIM2K)
 
+    def test_missing_last_layers_are_refused_by_their_number(self):
+        layers = {f"part{i:05}.png": square() for i in range(4)}
+        whole = self.pack({"config.ini": "numFast = 3\nnumSlow = 1\n", **layers}, name="whole.sl1")
+        self.run_it("check", whole, "--printer", SIM2K)
+        cut = self.pack({"config.ini": "numFast = 5\nnumSlow = 1\n", **layers}, name="cut.sl1")
+        for command in (["print", cut], ["check", cut]):
+            refused = self.run_it(*command, "--printer", SIM2K, status=1).stderr
+            self.assertIn("cut.sl1: has 4 of the 6 layers that its config.ini declares. Copy or export it again", refused)
+
+    def test_settings_may_begin_with_a_byte_order_mark(self):
+        part = self.pack({"1.png": square()}, "\ufeffdisplay_width = 120\ndisplay_height = 215\n", "wide.sl1")
+        self.assertIn("panel of 120.00 x 215.00 mm", self.print_it(part, status=1).stderr)
+
     def test_another_panel_is_refused_with_both_sizes(self):
         part = self.pack({"1.png": png(1620, 2560, bytes(1621) * 2560)})
         for command in (["print", part], ["check", part]):

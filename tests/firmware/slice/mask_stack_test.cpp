@@ -100,6 +100,22 @@ TEST(MaskStack, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(MaskStack::open(folder / "").error().message(), HasSubstr("have the same number"));
 }
 
+TEST(MaskStack, RefusesAStackWithoutOneOfItsLayers) {
+  const TemporaryFolder folder;
+  Random random(6);
+  for (const char* name : {"1.png", "2.png", "4.png", "preview3.png", "thumbnail400x400.png"}) {
+    write_grey(folder / name, random, 8);
+  }
+  const auto missing = MaskStack::open(folder / "");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code(), ErrorCode::kMalformed);
+  EXPECT_THAT(missing.error().message(), HasSubstr("layer 3 is missing between 2 and 4"));
+  write_grey(folder / "3.png", random, 8);
+  const auto whole = MaskStack::open(folder / "");
+  ASSERT_TRUE(whole) << whole.error().message();
+  EXPECT_EQ(whole->layers(), 4U);
+}
+
 TEST(MaskStack, RefusesColours) {
   const TemporaryFolder folder;
   const std::vector<unsigned char> pixels(std::size_t{3} * 4 * 4, 200);
