@@ -37,7 +37,7 @@ std::optional<XyzColumns> columns_between(std::string_view line, const Separator
   XyzColumns columns;
   columns.of.fill(kMaxColumns);
   LineWords words(line, separators);
-  names = 0;
+  names = line.starts_with(',') ? 1 : 0;  // as pandas leaves the first column's name empty
   for (auto name = words.next(); !name.empty(); name = words.next(), ++names) {
     while (kBlanks(name.front()) && name.size() > 1) name.remove_prefix(1);
     while (kBlanks(name.back()) && name.size() > 1) name.remove_suffix(1);

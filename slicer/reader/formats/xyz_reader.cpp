@@ -126,6 +126,8 @@ class XyzReader {
         continue;
       }
       PLUMBLINE_TRY(settle_commas(text));
+      has_cells_ = has_cells_ || commas_ == Commas::kSeparators || text.find(';') != std::string_view::npos;
+      PLUMBLINE_TRY(refuse_empty_cell(text));
       if (commas_ == Commas::kDecimal) row = parse_numbers(text, *separators_);
       row.line = lines_.number();
       PLUMBLINE_TRY(check(row, text));
@@ -202,6 +204,24 @@ class XyzReader {
     return {};
   }
 
+  /// The numbers behind an empty cell would count as those of the columns before them.
+  Status refuse_empty_cell(std::string_view text) const {
+    if (!has_cells_) return {};
+    const std::size_t needed = named_ ? named_->needed() : 3;
+    for (const std::string_view both : {",,", ";;"}) {
+      const std::size_t at = text.starts_with(',') ? 0 : text.find(both);
+      if (at == std::string_view::npos) continue;
+      const auto before = text.substr(0, at);
+      const auto column =
+          1 + (at > 0 ? 1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), both[0])) : 0);
+      if (column > needed) continue;
+      return input_.fail(ErrorCode::kMalformed,
+                         "line %llu: column %zu is empty in '%s';\tleave out such lines, or export the file again",
+                         number(), column, Quote(text).c_str());
+    }
+    return {};
+  }
+
   Status decide_columns() {
     const auto rows = sample_.first(sampled_);
     if (named_ && !rows.empty() && rows.front().columns == std::min(names_, kMaxColumns)) {
@@ -254,6 +274,7 @@ class XyzReader {
       if (commas_ != Commas::kSeparators && !is_comment(without_indent(line_.text))) {
         PLUMBLINE_TRY(settle_commas(line_.text));
       }
+      if (has_cells_ && !is_comment(without_indent(line_.text))) PLUMBLINE_TRY(refuse_empty_cell(line_.text));
       const RowOutcome outcome = parse_row(line_.text, layout_, *separators_, row);
       if (outcome.kind != RowOutcome::Kind::kWhole) {
         const std::string_view text = without_indent(line_.text);
@@ -274,6 +295,7 @@ class XyzReader {
   std::span<char> points_;
   Commas commas_ = Commas::kNone;  ///< of the rows so far
   const Separators* separators_ = &kBlanksAndCommas;
+  bool has_cells_ = false;  ///< commas or semicolons separate numbers
   std::size_t sampled_ = 0;
   std::optional<XyzColumns> named_;
   std::size_t names_ = 0;  ///< names in the line that named_ comes from

@@ -7,6 +7,7 @@ namespace plumbline::testing {
 namespace xyz_reader_test {
 
 using ::testing::HasSubstr;
+using std::string_literals::operator""s;
 
 void expect_points(Reading reading, const std::vector<ScanPoint>& points, bool normals) {
   ASSERT_TRUE(reading.summary.has_value()) << reading.message();
@@ -106,9 +107,27 @@ TEST(XyzReader, TakesNamedColumnsByTheirNames) {
   expect_points(read("\"x\",\"y\",\"z\"\n1,2,3\n-4,5.5,60\n", "a.csv"), kTwo, false);
   expect_points(read("Point ID, X ,Y,Z\n77,1,2,3\n78,-4,5.5,60\n", "a.csv"), kTwo, false);
   expect_points(read("Punkt Nr.;x;y;z\n77;1;2;3\n78;-4;5,5;60\n", "a.csv"), kTwo, false);
+  expect_points(read(",x,y,z\n77,1,2,3\n78,-4,5.5,60\n", "a.csv"), kTwo, false);
   expect_points(read("Index;X [mm];Y [mm];Z (mm)\n77;1;2;3\n78;-4;5,5;60\n", "a.csv"), kTwo, false);
   // Names that do not fit the rows are only a comment.
   expect_points(read("# the z of x and y\n1 2 3\n-4 5.5 60\n"), kTwo, false);
+}
+
+TEST(XyzReader, RefusesAnEmptyCellBeforeTheLastCoordinate) {
+  std::string many;
+  for (int i = 0; i < 100; ++i) many += "1,2,3,4\n";
+  for (const auto& [file, place] : {std::pair("1,2,3,4\n5,,7,8\n"s, "line 2: column 2 is empty in '5,,7,8'"),
+                                    std::pair("1;2;3;4\n5;6;;8\n"s, "line 2: column 3 is empty in '5;6;;8'"),
+                                    std::pair("1,2,3,4\n,6,7,8\n"s, "line 2: column 1 is empty in ',6,7,8'"),
+                                    std::pair("id,x,y,z,r\n1,2,3,,5\n"s, "line 2: column 4 is empty in '1,2,3,,5'"),
+                                    std::pair(many + "5,,7,8\n", "line 101: column 2 is empty in '5,,7,8'")}) {
+    const auto reading = read(file, "a.csv");
+    EXPECT_EQ(reading.code(), ErrorCode::kMalformed) << file;
+    EXPECT_THAT(reading.message(), HasSubstr(place));
+  }
+  expect_points(read("1,2,3,,7,,\n-4,5.5,60,,7,,\n"), kTwo, false);
+  expect_points(read("1,2,3,4\n# a,,b\n-4,5.5,60,4\n"), kTwo, false);
+  expect_points(read("1,2,3,\n-4,5.5,60,\n"), kTwo, false);
 }
 
 TEST(XyzReader, RefusesANumberOfThePointAsItsCoordinate) {
