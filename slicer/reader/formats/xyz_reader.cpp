@@ -126,7 +126,8 @@ class XyzReader {
         continue;
       }
       PLUMBLINE_TRY(settle_commas(text));
-      has_cells_ = has_cells_ || commas_ == Commas::kSeparators || text.find(';') != std::string_view::npos;
+      if (commas_ == Commas::kSeparators) cell_ = ',';
+      if (cell_ == 0 && text.find(';') != std::string_view::npos) cell_ = ';';
       PLUMBLINE_TRY(refuse_empty_cell(text));
       if (commas_ == Commas::kDecimal) row = parse_numbers(text, *separators_);
       row.line = lines_.number();
@@ -206,18 +207,18 @@ class XyzReader {
 
   /// The numbers behind an empty cell would count as those of the columns before them.
   Status refuse_empty_cell(std::string_view text) const {
-    if (!has_cells_) return {};
+    if (cell_ == 0) return {};
     const std::size_t needed = named_ ? named_->needed() : 3;
-    for (const std::string_view both : {",,", ";;"}) {
-      const std::size_t at = text.starts_with(',') ? 0 : text.find(both);
-      if (at == std::string_view::npos) continue;
-      const auto before = text.substr(0, at);
-      const auto column =
-          1 + (at > 0 ? 1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), both[0])) : 0);
-      if (column > needed) continue;
-      return input_.fail(ErrorCode::kMalformed,
-                         "line %llu: column %zu is empty in '%s';\tleave out such lines, or export the file again",
-                         number(), column, Quote(text).c_str());
+    std::string_view rest = text;
+    for (std::size_t column = 1; column <= needed; ++column) {
+      if (rest.starts_with(cell_) && !is_comment(without_indent(text))) {
+        return input_.fail(ErrorCode::kMalformed,
+                           "line %llu: column %zu is empty in '%s';\tleave out such lines, or export the file again",
+                           number(), column, Quote(text).c_str());
+      }
+      const std::size_t end = rest.find(cell_);
+      if (end == std::string_view::npos) return {};
+      rest.remove_prefix(end + 1);
     }
     return {};
   }
@@ -274,7 +275,7 @@ class XyzReader {
       if (commas_ != Commas::kSeparators && !is_comment(without_indent(line_.text))) {
         PLUMBLINE_TRY(settle_commas(line_.text));
       }
-      if (has_cells_ && !is_comment(without_indent(line_.text))) PLUMBLINE_TRY(refuse_empty_cell(line_.text));
+      PLUMBLINE_TRY(refuse_empty_cell(line_.text));
       const RowOutcome outcome = parse_row(line_.text, layout_, *separators_, row);
       if (outcome.kind != RowOutcome::Kind::kWhole) {
         const std::string_view text = without_indent(line_.text);
@@ -295,7 +296,7 @@ class XyzReader {
   std::span<char> points_;
   Commas commas_ = Commas::kNone;  ///< of the rows so far
   const Separators* separators_ = &kBlanksAndCommas;
-  bool has_cells_ = false;  ///< commas or semicolons separate numbers
+  char cell_ = 0;  ///< a comma or a semicolon that separates numbers; 0: none does
   std::size_t sampled_ = 0;
   std::optional<XyzColumns> named_;
   std::size_t names_ = 0;  ///< names in the line that named_ comes from

@@ -192,9 +192,10 @@ class PlyMeshReader {
           begin_corners();
           for (std::uint64_t i = 0; i < items; ++i) {
             const auto word = words.next();
-            double index = 0;
+            const auto whole = parse_count(word);
+            double index = static_cast<double>(whole.value_or(0));
             const char* const end = word.data() + word.size();
-            if (parse_real(word.data(), end, index) != end) return fail_face(line);
+            if (!whole && parse_real(word.data(), end, index) != end) return fail_face(line);
             PLUMBLINE_TRY(add_corner(index));
           }
           break;  // what follows is not needed
