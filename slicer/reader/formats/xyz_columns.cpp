@@ -45,9 +45,12 @@ std::optional<XyzColumns> columns_between(std::string_view line, const Separator
     name = name.substr(0, name.find_first_of("[("));  // a unit follows, as in "X [mm]"
     while (name.size() > 1 && kBlanks(name.back())) name.remove_suffix(1);
     const std::size_t slot = slot_of(name);
-    if (slot < kSlots && names < kMaxColumns && columns.of[slot] == kMaxColumns) columns.of[slot] = names;
+    if (slot == kSlots || columns.of[slot] < kMaxColumns) continue;
+    if (names < kMaxColumns) columns.of[slot] = names;
+    columns.too_far = columns.too_far || (names >= kMaxColumns && slot <= kZ);
   }
   const auto missing = [&](std::size_t slot) { return columns.of[slot] == kMaxColumns; };
+  if (columns.too_far) return columns;
   if (missing(kX) || missing(kY) || missing(kZ)) return std::nullopt;
   if (missing(kNx) || missing(kNy) || missing(kNz)) std::fill_n(columns.of.begin() + kNx, 3, kMaxColumns);
   return columns;

@@ -24,13 +24,14 @@ struct XyzRow {
 /// The column of each slot; kMaxColumns if the file does not have it.
 struct XyzColumns {
   std::array<std::size_t, kSlots> of{0, 1, 2, kMaxColumns, kMaxColumns, kMaxColumns};
+  bool too_far = false;  ///< a coordinate is named, but beyond the columns that are read
   bool has_normals() const { return of[kNx] < kMaxColumns; }
   std::size_t needed() const;  ///< columns that a row must have
 };
 
 /// Parses a line of column names such as "//X Y Z Nx Ny Nz" or "id,x,y,z".
 /// @param names  set to how many names it has
-/// @returns nothing if it does not name x, y and z
+/// @returns nothing if it does not name x, y and z. Check too_far
 std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& names);
 
 /// Whether the first of four columns or more seems to be the number of the point: it grows by one from row to row, while the second one

@@ -227,6 +227,11 @@ class XyzReader {
     const auto rows = sample_.first(sampled_);
     if (named_ && !rows.empty() && rows.front().columns == std::min(names_, kMaxColumns)) {
       columns_ = *named_;
+      if (columns_.too_far) {
+        return input_.fail(ErrorCode::kUnsupported,
+                           "x, y and z are named behind the %zu columns that are read;\texport them as the first ones",
+                           kMaxColumns);
+      }
     } else if (counts_points(rows)) {
       return input_.fail(
           ErrorCode::kUnsupported,

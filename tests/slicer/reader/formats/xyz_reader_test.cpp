@@ -109,6 +109,10 @@ TEST(XyzReader, TakesNamedColumnsByTheirNames) {
   expect_points(read("Punkt Nr.;x;y;z\n77;1;2;3\n78;-4;5,5;60\n", "a.csv"), kTwo, false);
   expect_points(read(",x,y,z\n77,1,2,3\n78,-4,5.5,60\n", "a.csv"), kTwo, false);
   expect_points(read("Index;X [mm];Y [mm];Z (mm)\n77;1;2;3\n78;-4;5,5;60\n", "a.csv"), kTwo, false);
+  const std::string wide =
+      replaced("aaaaaaaaaaaaaaaa", "a", "a,") + "x,y,z\n" + replaced("7777777777777777", "7", "7,");
+  EXPECT_THAT(read(wide + "1,2,3\n", "a.csv").message(),
+              HasSubstr("a.csv: x, y and z are named behind the 16 columns that are read"));
   // Names that do not fit the rows are only a comment.
   expect_points(read("# the z of x and y\n1 2 3\n-4 5.5 60\n"), kTwo, false);
 }
