@@ -118,7 +118,7 @@ class Meshes(Program):
         self.assertEqual(told["scan"]["points"], 8)
         write_sphere(self.scan, points=2000)
         refused = self.run_it("inspect", self.scan, "--as", "mesh", status=1)
-        self.assertIn("no faces that can be read", refused.stderr)
+        self.assertIn("the file has points but no faces", refused.stderr)
         refused = self.run_it("inspect", self.mesh, "--as", "points", status=1)
         self.assertIn("leave out --as points", refused.stderr)
         self.run_it("inspect", obj, "--as", "surface", status=2)
