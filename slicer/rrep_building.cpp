@@ -177,6 +177,7 @@ void drop_features(RRep& rrep, const SliceSettings& settings, Arena& arena, Slic
 /// with a pixel.
 Status trim(RRep& rrep, Arena& arena, SliceReport& report) {
   const auto& totals = report.features.totals;
+  if (totals) report.object_pixels = totals->pixels;
   const std::optional<EmptyLayers> known = totals ? std::optional(totals->empty) : std::nullopt;
   const auto trimmed = trim_empty_layers(rrep, arena, known);
   if (!trimmed && trimmed.error().code() == ErrorCode::kNoSurface) return tl::unexpected<Error>(trimmed.error());
@@ -217,7 +218,11 @@ Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, 
   auto rrep = CrossingStore::sort(store, arena);
   PLUMBLINE_TRY(rrep);
   rrep->is_exact = report.mesh.has_value();  // a mesh is printed as it is, however small its parts are
-  if (!report.mesh) drop_features(*rrep, settings, arena, report);
+  if (report.mesh) {
+    report.object_pixels = store.section_pixels();
+  } else {
+    drop_features(*rrep, settings, arena, report);
+  }
   PLUMBLINE_TRY(trim(*rrep, arena, report));
   return rrep;
 }

@@ -82,6 +82,8 @@ struct SliceReport : PreparationCounts {
   RayCounts rays;
   ComponentCounts components;
   FeatureCounts features;
+  std::optional<std::uint64_t>
+      object_pixels;  ///< of all masks without supports, if they follow from what was counted anyway
   std::uint64_t crossings = 0;
   ConfidenceMap confidence;  ///< in the arena below the R-Rep and valid as long as it is; empty unless asked for
 };

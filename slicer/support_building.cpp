@@ -27,9 +27,12 @@ Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings, con
     report.confidence.trim(counts.sunk, 0);
     report.placement.shift[2] -= counts.sunk * layer_height;
     report.placement.size_mm[2] -= counts.sunk * layer_height;
-    report.features.totals.reset();
   }
-  if (counts.specks > 0) report.features.totals.reset();
+  if (report.object_pixels && counts.lost_pixels) {
+    *report.object_pixels -= *counts.lost_pixels;
+  } else {
+    report.object_pixels.reset();
+  }
   if (counts.lifted > 0) {
     PLUMBLINE_TRY(report.confidence.raise(counts.lifted, arena));
     report.placement.shift[2] += counts.lifted * layer_height;

@@ -14,7 +14,9 @@ namespace {
 
 /// Makes a mask what the print shows of it.
 /// @param drawn  as for LayerStream::draw_on_mask()
-void shrink(BitImage image, std::uint32_t steps, std::span<std::uint64_t> rows, BitImage drawn) {
+/// @returns number of pixels that it loses
+std::uint64_t shrink(BitImage image, std::uint32_t steps, std::span<std::uint64_t> rows, BitImage drawn) {
+  const std::uint64_t before = image.count();
   for (std::uint32_t r = 0; r < image.rows(); ++r) {
     const auto row = image.row(r);
     for (std::uint32_t strip = 0; strip * kStripColumns < image.columns(); ++strip) {
@@ -22,6 +24,7 @@ void shrink(BitImage image, std::uint32_t steps, std::span<std::uint64_t> rows, 
     }
   }
   erode(image, steps, rows);
+  return before - image.count();
 }
 
 /// Checks every mask, and counts what will cure. On a desktop it takes a second or two for a thousand layers of a large panel.
@@ -31,7 +34,7 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, Arena& are
   const ArenaScope scratch(arena);
   const std::uint32_t layers = sliced.rrep.grid.layers;
   const std::size_t bottom = arena.bottom_mark();
-  auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena);
+  auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena, !report.object_pixels);
   PLUMBLINE_TRY(stream);
   auto checker = StackChecker::create(sliced.rrep.grid,
                                       check_limits(settings.placement, settings.peel, settings.overcure_mm), arena);
@@ -39,11 +42,12 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, Arena& are
   const PrintGrid& mm = sliced.rrep.grid;
   const auto rows = arena.take_top<std::uint64_t>(3 * BitImage::words_needed(mm.columns, 1), "checks");
   PLUMBLINE_TRY(rows);
+  std::uint64_t shrunk = 0;
   const auto draw = [&](std::uint32_t layer) {
     const ConstBitImage mask = stream->mask(layer);
     if (const std::uint32_t steps =
             settings.foot.steps(layer, static_cast<double>(mm.pitch_x_mm), static_cast<double>(mm.pitch_y_mm))) {
-      stream->draw_on_mask([&](BitImage image, BitImage drawn) { shrink(image, steps, *rows, drawn); });
+      stream->draw_on_mask([&](BitImage image, BitImage drawn) { shrunk += shrink(image, steps, *rows, drawn); });
     }
     return mask;
   };
@@ -59,6 +63,7 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, Arena& are
     });
   }
   sliced.findings = checker->finish();
+  if (report.object_pixels) sliced.support_pixels = sliced.findings.voxels + shrunk - *report.object_pixels;
   arena.release_bottom(bottom);
   return {};
 }

@@ -116,7 +116,8 @@ Expected<Supports> SliceJob::find_supports(RRep& rrep, JobProgress& progress) {
 
 Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
                               JobProgress& progress) {
-  auto stream = MaskStream::create(rrep, supports, *arena_);
+  const auto& object_pixels = report_.slice.object_pixels;
+  auto stream = MaskStream::create(rrep, supports, *arena_, !object_pixels);
   PLUMBLINE_TRY(stream);
   const ArenaScope scratch(*arena_);
   auto checker = StackChecker::create(
@@ -141,6 +142,7 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
   }
   report_.findings = checker->finish();
   report_.cured_pixels = report_.findings->voxels;
+  if (object_pixels) report_.support_pixels = report_.cured_pixels - *object_pixels;
   return judge(*report_.findings, rrep.grid, settings_.checks);
 }
 

@@ -75,15 +75,23 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
 
   PLUMBLINE_TRY(arena.take_bottom(first, std::size_t{grid.layers} + 1, "R-Rep"));
   std::fill(first.begin(), first.end(), 0);
-  store.for_each_row(*room, [&](std::uint32_t, std::span<const RayRef> rays) {
+  store.for_each_filled_row(*room, [&](std::uint32_t, std::span<const RayRef> rays) {
     for (const RayRef& ray : rays) {
-      for (const std::uint16_t layer : ray.crossings()) ++first[layer + std::size_t{1}];
+      const auto crossings = ray.crossings();
+      if (crossings.empty()) continue;
+      // Layers where the ray leaves minus those where it enters. One that does not leave goes on to the top.
+      std::uint32_t inside = 0;
+      for (const std::uint16_t layer : crossings) {
+        ++first[layer + std::size_t{1}];
+        inside = layer - inside;
+      }
+      store.section_pixels_ += crossings.size() % 2 == 0 ? inside : grid.layers - inside;
     }
   });
   for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
   PLUMBLINE_TRY(arena.take_bottom(pixel, first.back(), "R-Rep"));
   // first[k] is where the layer's next crossing goes; after the last one it has become first[k + 1].
-  store.for_each_row(*room, [&](std::uint32_t row, std::span<const RayRef> rays) {
+  store.for_each_filled_row(*room, [&](std::uint32_t row, std::span<const RayRef> rays) {
     std::uint32_t at = row * grid.columns;
     for (const RayRef& ray : rays) {
       for (const std::uint16_t layer : ray.crossings()) pixel[first[layer]++] = at;

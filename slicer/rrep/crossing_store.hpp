@@ -1,6 +1,7 @@
 #pragma once
 /// Collects the crossings of all rays and sorts them into the R-Rep.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -72,7 +73,14 @@ class CrossingStore {
   /// Calls `visit(row, rays)` for each row of the grid, in order, with one RayRef a column. A visitor that rewrites a ray must
   /// rewrite all rays.
   template <class Visit>
-  void for_each_row(const RowRoom& room, Visit visit);
+  void for_each_row(const RowRoom& room, Visit visit) {
+    visit_rows(room, false, visit);
+  }
+  /// As for_each_row(), without rows whose tiles have no crossing: most of a panel's rows are such.
+  template <class Visit>
+  void for_each_filled_row(const RowRoom& room, Visit visit) {
+    visit_rows(room, true, visit);
+  }
 
   std::size_t bytes() const { return directory_.size_bytes() + std::size_t{used_} * sizeof(std::uint16_t); }
   std::uint32_t crossings() const;  ///< of all rays
@@ -81,11 +89,16 @@ class CrossingStore {
   void close(Arena& arena) { arena.trim_bottom(data_.data(), std::size_t{used_} * sizeof(std::uint16_t)); }
 
   /// Sorts all crossings by layer, into the R-Rep at the bottom of the arena. The store moves to the top first, so release
-  /// all else there before.
+  /// all else there before. It also counts section_pixels().
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<RRep> sort(CrossingStore& store, Arena& arena);
+  /// Of all layers together. Those of the masks, if they are neither opened nor closed.
+  std::uint64_t section_pixels() const { return section_pixels_; }
 
  private:
+  template <class Visit>
+  void visit_rows(const RowRoom& room, bool skips_empty, Visit visit);
+
   PrintGrid grid_;
   std::uint32_t tile_columns_ = 0;
   std::uint32_t tile_rows_ = 0;
@@ -93,13 +106,15 @@ class CrossingStore {
   std::span<std::uint32_t> directory_;  ///< where each tile begins, in units of 2 bytes
   std::span<std::uint16_t> data_;
   std::uint32_t used_ = 0;  ///< of data_
+  std::uint64_t section_pixels_ = 0;
 };
 
 template <class Visit>
-void CrossingStore::for_each_row(const RowRoom& room, Visit visit) {
+void CrossingStore::visit_rows(const RowRoom& room, bool skips_empty, Visit visit) {
   std::uint8_t none = 0;
   for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
-    const std::uint32_t* directory = &directory_[std::size_t{tile_row} * tile_columns_];
+    const auto directory = directory_.subspan(std::size_t{tile_row} * tile_columns_, tile_columns_);
+    if (skips_empty && std::ranges::all_of(directory, [](std::uint32_t at) { return at == kEmpty; })) continue;
     for (std::uint32_t t = 0; t < tile_columns_; ++t) {
       // The end of data_ if the last tile has no crossings.
       room.reads[t] = room.writes[t] =

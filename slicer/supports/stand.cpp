@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/layers/rrep_edit.hpp"
@@ -23,8 +24,8 @@ std::uint64_t pixels_in(ConstBitImage mask, const Window& window) {
   return sum;
 }
 
-/// The first layer that holds the object on the plate; the number of layers if none does.
-Expected<std::uint32_t> first_flat_layer(const RRep& rrep, Arena& arena) {
+/// How the object stands on the first layer that holds it on the plate; nothing if none does.
+Expected<std::optional<Stand>> on_flat_layer(const RRep& rrep, Arena& arena) {
   const std::size_t mark = arena.bottom_mark();
   auto stream = LayerStream::create(rrep, arena);
   PLUMBLINE_TRY(stream);
@@ -37,15 +38,17 @@ Expected<std::uint32_t> first_flat_layer(const RRep& rrep, Arena& arena) {
     largest = std::max(largest, pixels_in(stream->mask(k), window));
   }
   const auto rise = static_cast<std::uint32_t>(kFlatRise_mm / static_cast<double>(rrep.grid.layer_height_mm) + 0.5);
-  const auto is_flat = [&](std::uint32_t layer) {
-    const std::uint64_t here = pixels_in(stream->mask(layer), window);
-    if (here * kFlatShare < largest) return false;
-    return here * 2 >= pixels_in(stream->mask(std::min(layer + rise, rrep.grid.layers - 1)), window);
-  };
-  std::uint32_t flat = 0;
-  while (flat < candidates && !is_flat(flat)) ++flat;
+  Stand stand;
+  for (; stand.sunk < candidates; ++stand.sunk) {
+    const std::uint64_t here = pixels_in(stream->mask(stand.sunk), window);
+    if (here * kFlatShare >= largest &&
+        here * 2 >= pixels_in(stream->mask(std::min(stand.sunk + rise, rrep.grid.layers - 1)), window)) {
+      break;
+    }
+    stand.sunk_pixels += here;
+  }
   arena.release_bottom(mark);
-  return flat < candidates ? flat : rrep.grid.layers;
+  return stand.sunk < candidates ? std::optional(stand) : std::nullopt;
 }
 
 }  // namespace
@@ -53,9 +56,9 @@ Expected<std::uint32_t> first_flat_layer(const RRep& rrep, Arena& arena) {
 Expected<Stand> choose_stand(const RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers,
                              Arena& arena) {
   if (!(settings.object_elevation > 0)) return Stand{};
-  const auto flat = first_flat_layer(rrep, arena);
+  const auto flat = on_flat_layer(rrep, arena);
   PLUMBLINE_TRY(flat);
-  if (*flat < rrep.grid.layers) return Stand{*flat, 0};
+  if (*flat) return **flat;
   const auto layer_height = static_cast<double>(rrep.grid.layer_height_mm);
   const auto lifted = static_cast<std::uint32_t>(std::ceil(lift_mm(settings) / layer_height - 1e-6));
   if (most_layers < rrep.grid.layers || lifted > most_layers - rrep.grid.layers) {
@@ -73,7 +76,7 @@ Expected<Stand> choose_stand(const RRep& rrep, const SupportSettings& settings, 
              (rrep.grid.layers + lifted - std::min(most_layers, rrep.grid.layers + lifted)) * layer_height,
              most_layers * layer_height));
   }
-  return Stand{0, lifted};
+  return Stand{.lifted = lifted};
 }
 
 Status stand_object(RRep& rrep, const Stand& stand, Arena& arena) {

@@ -11,8 +11,9 @@
 namespace plumbline {
 
 struct Stand {
-  std::uint32_t sunk = 0;    ///< layers cut off below
-  std::uint32_t lifted = 0;  ///< empty layers put below
+  std::uint32_t sunk = 0;         ///< layers cut off below
+  std::uint32_t lifted = 0;       ///< empty layers put below
+  std::uint64_t sunk_pixels = 0;  ///< of the masks cut off
 };
 
 /// An underside is flat if a section at most kMostSunk_mm and 1 / kSunkShare of the height above the lowest point has at

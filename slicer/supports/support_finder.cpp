@@ -175,6 +175,7 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
   counts.specks = needed->speck_count;
   counts.specks_mm3 = static_cast<double>(needed->specks.size()) * static_cast<double>(stood.grid.pitch_x_mm) *
                       static_cast<double>(stood.grid.pitch_y_mm) * static_cast<double>(stood.grid.layer_height_mm);
+  if (stood.is_exact || needed->specks.empty()) counts.lost_pixels = stand->sunk_pixels + needed->specks.size();
   PLUMBLINE_TRY(leave_out(needed->specks, stood, arena));
   PLUMBLINE_TRY(stand_object(stood, {.sunk = 0, .lifted = stand->lifted}, arena));
   const auto found = find_struts(stood, needed->tips, settings, *scratch, arena, counts);

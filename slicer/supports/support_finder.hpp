@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
@@ -23,9 +24,11 @@ struct SupportCounts {
   std::uint32_t light = 0, medium = 0, heavy = 0;
   std::uint32_t close = 0;  ///< nearer to the object's walls than support_base_safety_distance
   std::uint32_t braces = 0;
-  std::uint32_t helpers = 0;    ///< pillars that carry nothing but brace another
-  std::uint32_t specks = 0;     ///< left out of the print instead
-  double specks_mm3 = 0;        ///< their volume
+  std::uint32_t helpers = 0;  ///< pillars that carry nothing but brace another
+  std::uint32_t specks = 0;   ///< left out of the print instead
+  double specks_mm3 = 0;      ///< their volume
+  /// Of the object's masks, by what was left out and cut off. Unknown if closing may have filled pixels beside a speck, which go with it.
+  std::optional<std::uint64_t> lost_pixels;
   std::uint32_t pads = 0;       ///< below small regions of the first layer
   std::uint32_t unbraced = 0;   ///< pillars with more than 10 mm between braces
   std::uint32_t lifted = 0;     ///< layers by which the object was lifted

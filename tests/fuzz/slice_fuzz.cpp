@@ -185,7 +185,7 @@ std::uint64_t run(const CloudInput& job, const std::vector<std::string>& files, 
   outcome.add(rrep->first);
   outcome.add(rrep->pixel);
   const std::uint64_t pixels = check_masks(*rrep, outcome);
-  if (report.features.totals) require(report.features.totals->pixels == pixels, "other pixels were counted");
+  if (report.object_pixels) require(*report.object_pixels == pixels, "other pixels were counted");
   return outcome.value();
 }
 

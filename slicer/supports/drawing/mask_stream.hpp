@@ -20,8 +20,10 @@ class MaskStream {
   /// Takes bytes_needed() from the bottom of the arena.
   /// @param rrep      must outlive the stream
   /// @param supports  must outlive the stream; may be empty
+  /// @param counts    support_pixels() is wanted, which doubles the cost of supports
   /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] static Expected<MaskStream> create(const RRep& rrep, const Supports& supports, Arena& arena);
+  [[nodiscard]] static Expected<MaskStream> create(const RRep& rrep, const Supports& supports, Arena& arena,
+                                                   bool counts = false);
 
   /// @param supports  how many there are
   static std::size_t bytes_needed(const PrintGrid& grid, std::size_t supports);
@@ -37,18 +39,19 @@ class MaskStream {
     layers_.draw_on_mask(draw);
   }
 
-  /// Pixels of the last mask that belong to supports only.
+  /// Pixels of the last mask that belong to supports only; 0 if they are not counted.
   std::uint64_t support_pixels() const { return support_pixels_; }
 
   const PrintGrid& grid() const { return layers_.grid(); }
 
  private:
-  MaskStream(const LayerStream& layers, const SupportPainter& painter, bool has_supports)
-      : layers_(layers), painter_(painter), has_supports_(has_supports) {}
+  MaskStream(const LayerStream& layers, const SupportPainter& painter, bool has_supports, bool counts)
+      : layers_(layers), painter_(painter), has_supports_(has_supports), counts_(counts) {}
 
   LayerStream layers_;
   SupportPainter painter_;
   bool has_supports_;
+  bool counts_;
   std::uint64_t support_pixels_ = 0;
 };
 

@@ -1,42 +1,29 @@
 #include "slicer/supports/drawing/support_painter.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "slicer/layers/morphology.hpp"
 
 namespace plumbline {
 namespace {
 
-/// Draws a disc's part of a column of words.
-/// @param middle   the word in the disc's middle row
-/// @param reach    of the disc's rows, from the middle one on
-/// @param bits_of  bits_of(reach): the pixels of a row in these words
-/// @returns how many of them were white already: few of a disc's pixels are
-template <class BitsOf>
-std::uint64_t draw_words(std::uint64_t* middle, std::size_t stride, std::span<const std::uint16_t> reach,
-                         BitsOf bits_of) {
-  std::uint64_t white = 0;
-  const auto draw = [&white](std::uint64_t& word, std::uint64_t bits) {
-    const std::uint64_t before = word & bits;
-    word |= bits;
-    if (before != 0) white += count_ones(before);
-  };
-  draw(*middle, bits_of(reach.front()));
+/// Widest half of a row that fits into a word with its middle pixel at bit kMiddle.
+constexpr std::uint32_t kMostNarrow = 31;
+constexpr std::uint32_t kMiddle = 32;
+
+/// Draws the rows of a disc, the one in the middle first, then those above and below it.
+/// @param middle    the words of the disc's middle row
+/// @param draw_row  draw_row(i, row) for the i-th row from the middle
+template <class DrawRow>
+void for_each_row(std::uint64_t* middle, std::size_t stride, std::size_t rows, DrawRow draw_row) {
+  draw_row(0, middle);
   std::uint64_t* above = middle;
   std::uint64_t* below = middle;
-  for (const std::uint32_t half : reach.subspan(1)) {
-    const std::uint64_t bits = bits_of(half);
-    draw(*(above -= stride), bits);
-    draw(*(below += stride), bits);
+  for (std::size_t i = 1; i < rows; ++i) {
+    draw_row(i, above -= stride);
+    draw_row(i, below += stride);
   }
-  return white;
-}
-
-/// The pixels of columns [begin, end] in word `w` of a row; may be none.
-std::uint64_t bits_in_word(std::uint32_t w, std::uint32_t begin, std::uint32_t end) {
-  const std::uint32_t from = std::max(begin, w * 64);
-  const std::uint32_t to = std::min(end, w * 64 + 63);
-  return from > to ? 0 : ~std::uint64_t{0} << (from % 64) & ~std::uint64_t{0} >> (63 - to % 64);
 }
 
 }  // namespace
@@ -73,82 +60,89 @@ const SupportPainter::Rows* SupportPainter::rows_of(Nanometres radius) {
   if (rows.radius == radius) return &rows;
   if (radius / pitch.y > Rows::kMost) return nullptr;
   rows.radius = radius;
-  rows.pixels = 0;
   for_each_disc_row(pitch, radius, [&](std::uint32_t dy, std::uint32_t reach) {
     rows.count = dy;
     rows.reach[dy] = static_cast<std::uint16_t>(reach);
-    rows.pixels += (dy == 0 ? 1 : 2) * (2 * reach + 1);
+    if (reach <= kMostNarrow) rows.narrow[dy] = ~std::uint64_t{0} >> (63 - 2 * reach) << (kMiddle - reach);
   });
   return &rows;
 }
 
-std::uint64_t SupportPainter::draw(std::uint32_t layer, BitImage image, BitImage touched) {
-  if (at_ != layer) go_to(layer);
+void SupportPainter::draw(std::uint32_t layer, BitImage image, BitImage touched) {
+  draw_struts(layer, image, touched, [](std::uint64_t& word, std::uint64_t bits) { word |= bits; });
+}
+
+std::uint64_t SupportPainter::draw_and_count(std::uint32_t layer, BitImage image, BitImage touched) {
   std::uint64_t drawn = 0;
-  for (const std::uint32_t i : active_.first(active_count_)) {
-    const Strut& strut = supports_->list[i];
-    const StrutSection disc = section_of(strut, layer);
-    drawn += draw_disc(disc, image, touched);
-    if (strut.lies == 0 || (strut.column0 == strut.column1 && strut.row0 == strut.row1)) continue;
-    drawn += draw_disc({strut.column1, strut.row1, disc.radius}, image, touched);
-    for_each_band_span(supports_->pitch, strut, disc.radius, image.columns(), image.rows(),
-                       [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-                         drawn += draw_span(row, begin, end, image, touched);
-                       });
-  }
+  draw_struts(layer, image, touched, [&drawn](std::uint64_t& word, std::uint64_t bits) {
+    if (const std::uint64_t black = bits & ~word; black != 0) drawn += count_ones(black);
+    word |= bits;
+  });
   return drawn;
 }
 
-std::uint64_t SupportPainter::draw_disc(const StrutSection& disc, BitImage image, BitImage touched) {
-  const Rows* const rows = rows_of(disc.radius);
-  const std::uint32_t reach = rows == nullptr ? 0 : rows->reach[0];
-  std::uint64_t drawn = 0;
-  if (rows == nullptr || disc.column < reach || disc.column + reach >= image.columns() || disc.row < rows->count ||
-      disc.row + rows->count >= image.rows()) {
-    for_each_disc_span(supports_->pitch, disc.column, disc.row, disc.radius, image.columns(), image.rows(),
+template <class Ink>
+void SupportPainter::draw_struts(std::uint32_t layer, BitImage image, BitImage touched, Ink ink) {
+  if (at_ != layer) go_to(layer);
+  for (const std::uint32_t i : active_.first(active_count_)) {
+    const Strut& strut = supports_->list[i];
+    const StrutSection disc = section_of(strut, layer);
+    draw_disc(disc, image, touched, ink);
+    if (strut.lies == 0 || (strut.column0 == strut.column1 && strut.row0 == strut.row1)) continue;
+    draw_disc({strut.column1, strut.row1, disc.radius}, image, touched, ink);
+    for_each_band_span(supports_->pitch, strut, disc.radius, image.columns(), image.rows(),
                        [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-                         drawn += draw_span(row, begin, end, image, touched);
+                         draw_span(row, begin, end, image, touched, ink);
                        });
-    return drawn;
   }
+}
+
+template <class Ink>
+void SupportPainter::draw_disc(const StrutSection& disc, BitImage image, BitImage touched, Ink ink) {
+  const Rows* const rows = rows_of(disc.radius);
   const std::uint32_t column = disc.column;
+  const std::uint32_t reach = rows == nullptr ? 0 : rows->reach[0];
+  if (rows == nullptr || column < reach || column + reach >= image.columns() || disc.row < rows->count ||
+      disc.row + rows->count >= image.rows()) {
+    for_each_disc_span(supports_->pitch, column, disc.row, disc.radius, image.columns(), image.rows(),
+                       [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
+                         draw_span(row, begin, end, image, touched, ink);
+                       });
+    return;
+  }
   const std::uint32_t first = (column - reach) / 64;
   const std::uint32_t last = (column + reach) / 64;
-  const std::span<const std::uint16_t> halves(rows->reach.data(), rows->count + 1);
-  const auto draw_column = [&](std::uint32_t w, auto bits_of) {
-    return draw_words(&image.row(disc.row)[w], image.stride(), halves, bits_of);
+  const auto draw_rows = [&](auto draw_row) {
+    for_each_row(&image.row(disc.row)[first], image.stride(), rows->count + 1, draw_row);
   };
-  drawn = rows->pixels;
-  if (first == last) {
-    const std::uint32_t middle = column % 64;
-    drawn -= draw_column(
-        first, [middle](std::uint32_t half) { return ~std::uint64_t{0} >> (63 - 2 * half) << (middle - half); });
+  if (reach > kMostNarrow) {
+    const std::uint32_t middle = column - first * 64;
+    draw_rows([&, middle](std::size_t i, std::uint64_t* row) {
+      for_each_word(middle - rows->reach[i], middle + rows->reach[i] + 1,
+                    [&](std::uint32_t w, std::uint64_t bits) { ink(row[w], bits); });
+    });
+  } else if (const auto shift = static_cast<int>(column - kMiddle) % 64; first == last) {
+    draw_rows([&, shift](std::size_t i, std::uint64_t* row) { ink(row[0], std::rotl(rows->narrow[i], shift)); });
   } else {
-    for (std::uint32_t w = first; w <= last; ++w) {
-      drawn -=
-          draw_column(w, [w, column](std::uint32_t half) { return bits_in_word(w, column - half, column + half); });
-    }
+    // Bit 0 of a narrow row lies in the first word, at bit `shift` of it, which is not 0.
+    draw_rows([&, shift](std::size_t i, std::uint64_t* row) {
+      ink(row[0], rows->narrow[i] << shift);
+      ink(row[1], rows->narrow[i] >> (64 - shift));
+    });
   }
   for_each_word(disc.row - rows->count, disc.row + rows->count + 1, [&](std::uint32_t w, std::uint64_t bits) {
     for (std::uint32_t s = (column - reach) / kStripColumns; s <= (column + reach) / kStripColumns; ++s) {
       touched.row(s)[w] |= bits;
     }
   });
-  return drawn;
 }
 
-std::uint64_t SupportPainter::draw_span(std::uint32_t row, std::uint32_t begin, std::uint32_t end, BitImage image,
-                                        BitImage touched) {
-  std::uint64_t drawn = 0;
+template <class Ink>
+void SupportPainter::draw_span(std::uint32_t row, std::uint32_t begin, std::uint32_t end, BitImage image,
+                               BitImage touched, Ink ink) {
   const auto line = image.row(row);
-  for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) {
-    bits &= ~line[w];
-    if (bits == 0) return;
-    drawn += count_ones(bits);
-    line[w] |= bits;
-  });
+  for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) { ink(line[w], bits); });
   for (std::uint32_t s = begin / kStripColumns; s * kStripColumns < end; ++s) touched.set(row, s);
-  return drawn;
 }
 
 }  // namespace plumbline

@@ -35,6 +35,7 @@ TEST(SliceMesh, ACubeWithCornersOnPixelCentresHasEveryPixelOnce) {
     voxels += section.count();
   });
   EXPECT_EQ(voxels, 8000U);
+  EXPECT_EQ(cube.report().object_pixels, 8000U);
   EXPECT_EQ(cube.rrep().crossings(), 400U);  // those where rays leave at the top are above the last layer
 }
 
@@ -53,6 +54,9 @@ TEST(SliceMesh, ATurnedBoxHasThePixelsThatAreInIt) {
   EXPECT_GT(box.rrep().crossings(), 5000U);
   EXPECT_EQ(wrong(box, [](const Vec3d& p) { return in_box(p, {-3, -2, 0}, {4, 3, 5}); }), 0U);
   EXPECT_NEAR(box.volume(), 175, 0.5);
+  std::uint64_t pixels = 0;
+  box.for_each_section([&](std::uint32_t, ConstBitImage section) { pixels += section.count(); });
+  EXPECT_EQ(box.report().object_pixels, pixels);
 }
 
 TEST(SliceMesh, ABallHasItsVolumeAndItsPixels) {

@@ -39,10 +39,12 @@ TEST(Stand, SinksToTheFirstLayerOfEnoughArea) {
   };
   EXPECT_EQ(on_a(7, 2).stand->sunk, 2U);
   EXPECT_EQ(on_a(7, 2).stand->lifted, 0U);
+  EXPECT_EQ(on_a(7, 2).stand->sunk_pixels, 2U * 7 * 7);
   EXPECT_EQ(on_a(7, 3).stand->sunk, 3U);
   EXPECT_EQ(on_a(8, 3).stand->sunk, 3U);
   EXPECT_EQ(on_a(7, 4).stand->sunk, 0U);
   EXPECT_EQ(on_a(7, 4).stand->lifted, kLift);
+  EXPECT_EQ(on_a(7, 4).stand->sunk_pixels, 0U);
 }
 
 TEST(Stand, IsOnAFootThatHasATenthOfTheLargestSection) {

@@ -313,6 +313,7 @@ TEST(Supports, LeaveOutASpeckThatATipWouldCover) {
   EXPECT_TRUE(s.supports.empty());
   const Solid without(cubic_grid(kSide, 48), slab_over({0, 0, 0, 0, 0, 0}));
   EXPECT_EQ(s.masks, without.masks()) << "the slab stays as it is";
+  EXPECT_FALSE(s.counts.lost_pixels) << "opening and closing may take more than the speck";
 }
 
 TEST(Supports, LeaveOutASpeckBelowALiftedObject) {
@@ -359,12 +360,19 @@ TEST(Supports, TakeNoMoreThanTheStatedBytesWithThousandsOfSpecks) {
   solid.rrep.is_exact = true;  // so that single pixels are printed
   ArenaBlock arena(32 * kMiB);
   solid.move_to(*arena);
+  const auto pixels = [&] {
+    std::uint64_t sum = 0;
+    for (const Pixels& mask : solid.masks()) sum += mask.count();
+    return sum;
+  };
+  const std::uint64_t pixels_before = pixels();
   const std::size_t before = arena->used();
   arena->reset_peak();
   const std::size_t planned = find_supports_bytes(solid.rrep, on_the_plate());
   SupportCounts counts;
   value_of(find_supports(solid.rrep, on_the_plate(), PrintGrid::kMaxLayers, *arena, nullptr, counts));
   EXPECT_GT(counts.specks, 6000U);
+  EXPECT_EQ(counts.lost_pixels, pixels_before - pixels());
   EXPECT_LE(arena->peak() - before, planned);
 }
 
