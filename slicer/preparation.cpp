@@ -205,6 +205,7 @@ class Preparation {
     const double across = up[0] * middle[0] + up[1] * middle[1];
     report_.floor.points = surface.floor_points;
     report_.floor.height = (static_cast<double>(surface.floor->offset) - across) / up[2] + scan_.offset[2];
+    report_.floor.size = surface.floor_box.size().cast<double>();
     report_.floor.tilt = std::sqrt(surface.floor->normal[0] * surface.floor->normal[0] +
                                    surface.floor->normal[1] * surface.floor->normal[1]);
     scan_.floor = surface.floor->offset;

@@ -39,9 +39,10 @@ ScanLengths<Millimetre> in_mm(const ScanLengths<ScanUnit>& lengths, ScanScale sc
 
 /// A floor that was cut off the scan.
 struct FloorCut {
-  std::uint32_t points = 0;  ///< left out; 0: no floor
-  double height = 0;         ///< z of the floor under the middle of the scan, rotated scan coordinates
-  float tilt = 0;            ///< sine of its angle to the horizontal, by which the scan was levelled
+  std::uint32_t points = 0;    ///< left out; 0: no floor
+  double height = 0;           ///< z of the floor under the middle of the scan, rotated scan coordinates
+  Vec3d size = Vec3d::Zero();  ///< of what was cut off, scan units
+  float tilt = 0;              ///< sine of its angle to the horizontal, by which the scan was levelled
 };
 
 /// What prepare() found, apart from lengths.

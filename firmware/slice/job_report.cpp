@@ -164,13 +164,16 @@ FixedText<256> ignored_units_warning(Units units) {
   return text;
 }
 
-FixedText<256> floor_warning(const FloorCut& floor) {
+FixedText<256> floor_warning(const FloorCut& floor, double scale) {
   FixedText<256> text;
-  text.add("the object stands on a floor, which was cut off: %u points at and below height %.5g of the scan",
-           floor.points, floor.height);
+  const Vec3d mm = floor.size * scale;
+  // What to do comes first: a screen may have no room for the rest.
+  text.add(
+      "a floor of %.1f x %.1f x %.1f mm was cut off; if it is a plinth, --floor keep prints it. It ends at height %.5g "
+      "of the scan",
+      mm[0], mm[1], mm[2], floor.height);
   constexpr float kLevel = 0.001F;
-  if (floor.tilt > kLevel) text.add(", levelled by %.2g in 100", 100 * static_cast<double>(floor.tilt));
-  text.add(". --floor keep prints it");
+  if (floor.tilt > kLevel) text.add(", which was levelled by %.2g in 100", 100 * static_cast<double>(floor.tilt));
   return text;
 }
 
@@ -255,7 +258,9 @@ void remark_on_losses(const SliceReport& slice, RemarkVisit visit) {
         c.dropped_solids, removed * voxel_ml, share);
     visit({PrinterCode::kMuchRemoved, {{Fact::kPercent, share}}}, text.view());
   }
-  const std::uint32_t noise = slice.clustering.points[PointClass::kNoise];
+  // A floor that was cut off has its own remark.
+  const std::uint32_t noise = slice.clustering.points[PointClass::kNoise] -
+                              std::min(slice.clustering.points[PointClass::kNoise], slice.floor.points);
   const double all = static_cast<double>(noise) + slice.clustering.points.surface();
   if (noise > kManyOutliers * all) {
     text = {};
@@ -285,8 +290,14 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
   for_each_size_remark(slice, visit);
   if (slice.mesh) return for_each_mesh_remark(*slice.mesh, visit);
   if (slice.floor.points > 0) {
-    visit({PrinterCode::kFloorCut, {{Fact::kPoints, slice.floor.points}, {Fact::kFloor, slice.floor.height}}},
-          floor_warning(slice.floor).view());
+    const Vec3d mm = slice.floor.size * slice.placement.scale;
+    visit({PrinterCode::kFloorCut,
+           {{Fact::kWidthMm, mm[0]},
+            {Fact::kDepthMm, mm[1]},
+            {Fact::kHeightMm, mm[2]},
+            {Fact::kPoints, slice.floor.points},
+            {Fact::kFloor, slice.floor.height}}},
+          floor_warning(slice.floor, slice.placement.scale).view());
   }
   if (const StrayPieces& strays = slice.strays; strays.pieces > 0) {
     visit(

@@ -99,7 +99,8 @@ FixedText<256> stray_warning(const StrayPieces& strays);
 FixedText<256> ignored_units_warning(Units units);
 
 /// The sentence about a floor that was cut off.
-FixedText<256> floor_warning(const FloorCut& floor);
+/// @param scale  mm per scan unit
+FixedText<256> floor_warning(const FloorCut& floor, double scale);
 
 /// The sentence about normals that were flipped; empty if they are few, as those of flying pixels at edges.
 /// @param points  of the cloud

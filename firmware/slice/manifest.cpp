@@ -272,6 +272,8 @@ void write_position(JsonWriter& json, const PreparationCounts& found) {
   json.member("points", found.floor.points);
   json.member("height_scan_units", found.floor.height);
   json.member("tilt", found.floor.tilt);
+  json.key("size_scan_units");
+  json.row(found.floor.size);
   json.end_object();
   json.member("flying_points", found.flying_points);
   json.key("orientation");

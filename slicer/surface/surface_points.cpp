@@ -85,6 +85,7 @@ void cut_floor(Cloud& cloud, const SurfaceSettings& settings, SurfacePoints& sur
     if (!cloud.is_surface(i) || !surface.floor->cuts(cloud.position[i])) continue;
     normal.point_class = PointClass::kNoise;
     ++surface.floor_points;
+    surface.floor_box.extend(cloud.position[i]);
   }
   if (settings.normals == NormalSource::kPoints) face_outwards(cloud, *surface.floor);
 }

@@ -26,6 +26,7 @@ struct SurfacePoints {
   StrayPieces strays;
   std::optional<FloorPlane> floor;  ///< that was cut off
   std::uint32_t floor_points = 0;   ///< left out with it
+  Box3f floor_box;                  ///< around these
   std::uint32_t flying_points = 0;  ///< left out because they would have made the object larger
   BoreWalls bore_walls;
 

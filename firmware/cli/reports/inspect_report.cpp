@@ -44,7 +44,8 @@ void add_scan(Text& text, const ScanOutlook& o) {
   }
   const auto turned = turned_warning(o.scan.normals, o.scan.cloud_points);
   if (!turned.view().empty()) text.add("           %s\n", turned.c_str());
-  if (o.scan.floor.points > 0) text.add("           %s\n", floor_warning(o.scan.floor).c_str());
+  if (o.scan.floor.points > 0)
+    text.add("           %s\n", floor_warning(o.scan.floor, o.unit_mm() * o.scale()).c_str());
   if (o.scan.strays.pieces > 0) text.add("           %s\n", stray_warning(o.scan.strays).c_str());
 }
 

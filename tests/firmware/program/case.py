@@ -61,6 +61,33 @@ def write_lying_cone(path, radius=10.0, height=25.0, spacing=0.3):
             slope = math.hypot(radius, height)
             points.append((along, r * around[0], r * around[1]))
             points.append((radius / slope, height / slope * around[0], height / slope * around[1]))
+    write_oriented(path, points)
+
+
+def write_ball_on_plinth(path, radius=8.0, plinth=20.0, height=3.0, spacing=0.4):
+    """Writes a ball on a round plinth that was never seen from below: its upper side, at z = 0, and its wall."""
+    points = []
+    count = round(4 * math.pi * (radius / spacing) ** 2)
+    for i in range(count):
+        z = 1 - 2 * (i + 0.5) / count
+        r, angle = math.sqrt(1 - z * z), 2.39996322972865332 * i
+        normal = (r * math.cos(angle), r * math.sin(angle), z)
+        points += [(radius * normal[0], radius * normal[1], radius * (1 + z)), normal]
+    count = round(math.pi * (plinth / spacing) ** 2)
+    for i in range(count):
+        r, angle = plinth * math.sqrt((i + 0.5) / count), 2.39996322972865332 * i
+        points += [(r * math.cos(angle), r * math.sin(angle), 0.0), (0.0, 0.0, 1.0)]
+    around = round(2 * math.pi * plinth / spacing)
+    for level in range(round(height / spacing) + 1):
+        for i in range(around):
+            angle = 2 * math.pi * (i + 0.3 * level) / around
+            normal = (math.cos(angle), math.sin(angle), 0.0)
+            points += [(plinth * normal[0], plinth * normal[1], -spacing * level), normal]
+    write_oriented(path, points)
+
+
+def write_oriented(path, points):
+    """@param points  positions, each with its normal after it"""
     with open(path, "wb") as file:
         head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points) // 2}"]
         head += [f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")]

@@ -3,7 +3,8 @@
 
 import json
 
-from case import SIM2K, Program, add_ball, main, turn_normals, write_lying_cone, write_sphere
+from case import SIM2K, SOURCE_DIR, Program, add_ball, main, turn_normals, write_ball_on_plinth, write_lying_cone, write_sphere
+from state_client import StatePrinter
 
 
 class Warnings(Program):
@@ -69,6 +70,40 @@ class Warnings(Program):
     def test_small_object_gets_a_warning(self):
         write_sphere(self.scan, radius=1)
         self.assertIn("warning: the object is only 2 mm long", self.slice_it().stderr)
+
+
+class PrinterWarnings(StatePrinter):
+    def test_plinth_that_is_cut_off_is_told_before_the_print_and_kept_on_request(self):
+        write_ball_on_plinth(self.scan)
+        board = self.dir / "sim2k.toml"
+        board.write_text((SOURCE_DIR / "board/sim2k.toml").read_text().replace('"on_request"', '"after_preview"'))
+        command = ("slice", self.scan, "-o", self.out, "--no-preview", "--supports", "none", "--printer", board, "--layer-height", 0.1)
+        done = self.run_it(*command)
+        self.assertRegex(
+            done.stderr,
+            r"warning: a floor of 40\.0 x 40\.0 x 3\.[2-8] mm was cut off; if it is a plinth, --floor keep prints it\. "
+            r"It ends at height .* of the scan\n",
+        )
+        self.assertNotIn("lie on no surface", done.stderr)
+        self.assertLess(self.manifest()["size_mm"][0], 17)
+        kept = self.run_it(*command, "--floor", "keep")
+        self.assertNotIn("cut off", kept.stderr)
+        self.assertGreater(self.manifest()["size_mm"][0], 39)
+
+        _, user = self.start(printer=board)
+        user.state("idle")
+        self.put_stick({"figure.ply": self.scan.read_bytes()})
+        user.state("offered", "start")
+        for key, value in (("layer_height", 0.1), ("supports", "none")):
+            user.do("set", key=key, value=value)
+        user.do("start")
+        ready = user.until(lambda s: s["state"] == "offered" and s["sliced"], "a preview")
+        told = [finding["told"] for finding in ready["findings"] if finding["told"]["code"] == "floor_cut"]
+        self.assertEqual(len(told), 1, ready["findings"])
+        self.assertAlmostEqual(told[0]["values"]["width_mm"], 40, delta=0.1)
+        self.assertAlmostEqual(told[0]["values"]["depth_mm"], 40, delta=0.1)
+        self.assertAlmostEqual(told[0]["values"]["height_mm"], 3.5, delta=0.3)
+        self.assertTrue(any('floor = "keep"' in finding["text"] for finding in ready["findings"]), ready["findings"])
 
 
 if __name__ == "__main__":
