@@ -37,10 +37,11 @@ struct CheckLimits {
   /// Farthest place from what they touch: half of support_overhang_span, and the tenths by which held area lags behind.
   static constexpr double kIslandTipsReach_mm = 2;
 
-  // UVtools has no such checks.
-  /// Of the largest region of a hollow that the plate closes, such as a hole of a raft. UVtools finds no suction cup there at all. The
-  /// low pressure in it pulls at the plate, not at the part, so only a large one matters: at 20 kPa this is 0.5 N, what 1 mm2 of
-  /// first layer holds (PeelSettings). It is what the window's 10000 pixels are with pixels of 0.05 mm.
+  // UVtools has no such limits.
+  /// Of the largest region of a hollow that the plate closes, such as a hole of a raft. The low pressure in it pulls at the plate, not
+  /// at the part, so only a large one matters: at 20 kPa this is 0.5 N, what 1 mm2 of first layer holds (PeelSettings). It is what
+  /// the window's 10000 pixels are with pixels of 0.05 mm. UVtools has suction_pixels there, too, if air reaches the hollow from above
+  /// in the end, and finds nothing if it stays closed, as in a bowl on its rim.
   double plate_suction_mm2 = 25;
   double first_layer_mm2 = 10;  ///< three tips of supports hold as much
   /// A third of a 6 inch panel of 68 x 120 mm. Release films let go of full plates, too, but the lift has to be slow.

@@ -244,6 +244,10 @@ TEST(StackChecker, IsSilentAboutASmallHoleOfARaft) {
   EXPECT_EQ(check(raft, {}, 0.1F).count(IssueKind::kSuctionCup), 0U);   // 2 mm2
   EXPECT_EQ(check(raft, {}, 0.35F).count(IssueKind::kSuctionCup), 0U);  // 24.5 mm2
   EXPECT_EQ(check(raft, {}, 0.36F).count(IssueKind::kSuctionCup), 1U);  // 25.9 mm2
+  // A tube on the plate.
+  const auto tube = stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 0, 20}})));
+  EXPECT_EQ(check(tube, {}, 0.35F).count(IssueKind::kSuctionCup), 0U);
+  EXPECT_EQ(only(check(tube, {}, 0.36F), IssueKind::kSuctionCup).voxels, 200U * 20);
 }
 
 TEST(StackChecker, KnowsThatAHoleNearThePlateVentsACup) {
