@@ -122,6 +122,17 @@ void check_struts(const Supports& supports, const PrintGrid& grid) {
   }
 }
 
+/// Pixels of all masks without supports; 0 if there is no room for these.
+std::uint64_t pixels_of(const RRep& rrep, Arena& arena) {
+  const std::size_t mark = arena.bottom_mark();
+  std::uint64_t pixels = 0;
+  if (auto stream = LayerStream::create(rrep, arena)) {
+    for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) pixels += stream->mask(k).count();
+  }
+  arena.release_bottom(mark);
+  return pixels;
+}
+
 std::uint64_t run(const Job& job, std::byte content) {
   static std::vector<std::byte> memory;
   memory.assign(job.arena_bytes, content);
@@ -129,6 +140,7 @@ std::uint64_t run(const Job& job, std::byte content) {
   RRep rrep = rrep_of(job, arena);
   if (rrep.first.empty()) return 0;
   const std::size_t used = arena.used();
+  const std::uint64_t pixels_before = pixels_of(rrep, arena);
   const std::size_t foretold = find_supports_bytes(rrep, job.settings);
   require(foretold <= find_supports_bytes(rrep.grid), "this object needs more than any");
   arena.reset_peak();
@@ -149,7 +161,10 @@ std::uint64_t run(const Job& job, std::byte content) {
   require(counts.all() == supports->tips(), "another number of tips is reported");
   check_struts(*supports, grid);
   Arena rest(std::span<std::byte>(memory).subspan(arena.used()));
-  auto stream = MaskStream::create(rrep, *supports, rest);
+  if (const std::uint64_t pixels = pixels_of(rrep, rest); pixels > 0 && pixels_before > 0 && counts.lost_pixels) {
+    require(pixels + *counts.lost_pixels == pixels_before, "another number of pixels was lost");
+  }
+  auto stream = MaskStream::create(rrep, *supports, rest, true);
   const Supports none;
   auto object = MaskStream::create(rrep, none, rest);
   auto checker = StackChecker::create(grid, {}, rest);
@@ -157,6 +172,7 @@ std::uint64_t run(const Job& job, std::byte content) {
   for (std::uint32_t k = 0; k < grid.layers; ++k) {
     const ConstBitImage mask = stream->mask(k);
     const ConstBitImage alone = object->mask(k);
+    require(mask.count() - alone.count() == stream->support_pixels(), "another number of pixels was drawn");
     for (std::uint32_t r = 0; r < grid.rows; ++r) {
       for (std::size_t w = 0; w < mask.row(r).size(); ++w) {
         require((alone.row(r)[w] & ~mask.row(r)[w]) == 0, "a pixel of the object is lost");
