@@ -1,6 +1,7 @@
 #include "slicer/normals/normals.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "slicer/cloud/tangent_plane.hpp"
@@ -14,6 +15,44 @@ namespace {
 /// Cosine of 30 degrees: a splat whose axis is farther from the normal of its neighbours' plane takes that. The axes of splats that
 /// training has left round or turned mean nothing. One of seven random directions is as near.
 constexpr float kSplatAgrees = 0.86602540F;
+
+// Points at which the scan's normals are compared with the surface, and the nearest points that stand for it: enough to be wider than noise.
+constexpr std::uint32_t kCompared = 512;
+constexpr std::uint32_t kOfSurface = 64;
+/// Of the way from the best normals (0) to random ones (1), beyond which they are not the surface's. Scans have up to 0.2, directions to
+/// several scanners 0.6 to 0.7, one direction for all points 1.
+constexpr double kLeastRandom = 0.5;
+
+/// Whether the directions of the normals are not those of the surface. Programs write one direction for all points, that to the scanner, or
+/// swapped axes.
+///
+///   v(n) = <n, C n> / trace C,   C the covariance of a point's nearest
+///
+/// is least for the normal of their plane and 1/3 in the mean of all directions.
+bool are_foreign(const Cloud& cloud, const KdTree3& tree) {
+  std::array<Neighbour, kOfSurface> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  double given = 0;
+  double best = 0;
+  double random = 0;
+  const std::uint32_t samples = std::min(kCompared, cloud.size);
+  for (std::uint32_t s = 0; s < samples; ++s) {
+    const std::uint32_t i = cloud.sampled(s, samples);
+    if (!cloud.normal[i].known()) continue;
+    const std::uint32_t count = tree.nearest(cloud.position[i], found);
+    const PrincipalAxes around = principal_axes(cloud.position[i], std::span(found).first(count), cloud.position);
+    const Vec3d& variance = around.variance;
+    const double sum = variance[0] + variance[1] + variance[2];
+    if (!(sum > 0)) continue;
+    const Vec3d normal = cloud.normal[i].unpack().cast<double>();
+    for (int axis = 0; axis < 3; ++axis) {
+      const double along = around.axes.col(axis).dot(normal);
+      given += along * along * variance[axis] / sum;
+    }
+    best += variance[0] / sum;
+    random += 1.0 / 3;
+  }
+  return given - best > kLeastRandom * (random - best);
+}
 
 }  // namespace
 
@@ -61,6 +100,7 @@ Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena
                                         NormalSides sides) {
   const auto normals = cloud.normal.first(cloud.size);
   const auto missing = std::count_if(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); });
+  if (missing < cloud.size && are_foreign(cloud, tree)) sides = NormalSides::kUnknown;
   NormalCounts counts;
   if (missing > 0 || sides == NormalSides::kUnknown) {
     const auto estimated = estimate_normals(cloud, tree, arena, progress.part(0, 0.7), sides);

@@ -105,6 +105,25 @@ TEST(TurnedPoints, OfAnyShareAreTurnedBack) {
   }
 }
 
+// What programs write where they have no normals, or in the wrong order.
+TEST(NormalsOfAnythingButTheSurface, AreEstimatedAnew) {
+  const Surface surface = ball(8);
+  const double right = sliced(surface).volume();
+  const auto with = [&](auto normal_of) {
+    Surface changed = surface;
+    for (SurfacePoint& p : changed) p.normal = normal_of(p);
+    return sliced(changed);
+  };
+  const Vec3d scanner(0, 10, 60);
+  for (const Slicing& slicing :
+       {with([](const SurfacePoint&) { return Vec3d(0, 0, 1); }),
+        with([&](const SurfacePoint& p) { return (scanner - p.position).normalized(); }),
+        with([](const SurfacePoint& p) { return Vec3d(p.normal[1], p.normal[2], p.normal[0]); })}) {
+    EXPECT_NEAR(slicing.volume(), right, 0.02 * right);
+    EXPECT_GT(slicing.report().normals.estimated, surface.size() / 2);
+  }
+}
+
 // No normal has a component along the way to a neighbour, so none faces another and none faces away.
 TEST(TurnedPoints, OfExactPlanesAreTurnedBack) {
   Random random(3);
