@@ -25,7 +25,27 @@ std::optional<float> first_agreed(ColumnWinding& winding, float x, float y, floa
   return {};
 }
 
+/// Removes crossings `low` and the one above it.
+void remove_pair(std::span<RayCrossing>& crossings, std::size_t low) {
+  std::ranges::copy(crossings.subspan(low + 2), crossings.subspan(low).begin());
+  crossings = crossings.first(crossings.size() - 2);
+}
+
 }  // namespace
+
+bool fill_short_hollows(std::span<RayCrossing>& crossings, float x, float y, ColumnWinding& winding, float reach) {
+  const std::size_t before = crossings.size();
+  for (std::size_t exit = 1; exit + 1 < crossings.size();) {
+    const float low = crossings[exit].depth;
+    const float high = crossings[exit + 1].depth;
+    if (high > low && high - low < reach && winding.inside({x, y, 0.5F * (low + high)})) {
+      remove_pair(crossings, exit);
+    } else {
+      exit += 2;
+    }
+  }
+  return crossings.size() < before;
+}
 
 bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, ColumnWinding& winding, float reach) {
   bool changed = false;
@@ -46,8 +66,7 @@ bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, Co
         c.depth = *agreed;
         c.evidence = Evidence::kWinding;
       } else {
-        std::ranges::copy(crossings.subspan(lower + 2), crossings.subspan(lower).begin());
-        crossings = crossings.first(crossings.size() - 2);
+        remove_pair(crossings, lower);
         i = lower;
       }
       break;

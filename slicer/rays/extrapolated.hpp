@@ -13,6 +13,14 @@ namespace plumbline {
 /// dirty) exceed 0.4, most of them with 0.55 to 0.8.
 inline constexpr float kExtrapolated = 0.4F;
 
+/// Removes the crossings around each hollow that is shorter than a support, if the winding number in its middle says solid.
+///
+/// At the foot of a thin pin the face around it has most of the points. MLS continues it through the pin, which is cut off, and then
+/// left out since nothing holds it.
+/// @param crossings, reach  as for settle_extrapolated()
+/// @returns whether any was removed
+bool fill_short_hollows(std::span<RayCrossing>& crossings, float x, float y, ColumnWinding& winding, float reach);
+
 /// Moves each extrapolated crossing to where the winding number of the whole cloud changes, or removes it.
 ///
 /// Without points on all sides MLS continues the surface as a plane, which noise tilts: below the rim of a vertical wall that

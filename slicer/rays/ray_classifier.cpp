@@ -273,6 +273,7 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
     return std::tie(a.depth, a.evidence) < std::tie(b.depth, b.evidence);
   });
   std::span<RayCrossing> settled = crossings_.first(crossing_count_);
+  used_winding_ |= fill_short_hollows(settled, x, y, winding_, points.reach);
   used_winding_ |= settle_extrapolated(settled, x, y, winding_, points.reach);
   crossing_count_ = static_cast<std::uint32_t>(settled.size());
   drop_thin_stretches();

@@ -23,6 +23,12 @@ class ExtrapolatedCrossings : public ::testing::Test {
     changed_ = settle_extrapolated(left, 10, 10, column_, kReach);
     crossings_.resize(left.size());
   }
+  void fill(std::initializer_list<RayCrossing> crossings) {
+    crossings_ = crossings;
+    std::span<RayCrossing> left = crossings_;
+    changed_ = fill_short_hollows(left, 10, 10, column_, kReach);
+    crossings_.resize(left.size());
+  }
   void expect_the_ball() const {
     ASSERT_EQ(crossings_.size(), 2U);
     EXPECT_NEAR(crossings_[0].depth, 5, 0.15);
@@ -90,6 +96,22 @@ TEST_F(ExtrapolatedCrossings, DoNotMoveBeyondTheOutermostCrossing) {
   ASSERT_EQ(crossings_.size(), 2U);
   EXPECT_EQ(crossings_[0].depth, 7.5F);
   EXPECT_EQ(crossings_[1].depth, 12);
+}
+
+// The foot of a pin: the face around it is continued through it.
+TEST_F(ExtrapolatedCrossings, AreRemovedAroundAHollowShorterThanASupport) {
+  fill({measured(5), measured(8), measured(8.5F), measured(10), measured(10.5F), measured(15)});
+  EXPECT_TRUE(changed_);
+  expect_the_ball();
+  fill({measured(5), measured(8), measured(9.5F), measured(15)});
+  EXPECT_FALSE(changed_);
+  EXPECT_EQ(crossings_.size(), 4U);
+}
+
+TEST_F(ExtrapolatedCrossings, StayAroundAShortGapOutside) {
+  fill({measured(1), measured(2), measured(2.5F), measured(4), measured(5), measured(15)});
+  EXPECT_FALSE(changed_);
+  EXPECT_EQ(crossings_.size(), 6U);
 }
 
 TEST_F(ExtrapolatedCrossings, MayCoincideOrBeAbsent) {
