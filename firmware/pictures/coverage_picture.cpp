@@ -7,6 +7,7 @@
 #include "firmware/pictures/coverage_survey.hpp"
 #include "firmware/pictures/coverage_views.hpp"
 #include "firmware/pictures/preview/preview_page.hpp"
+#include "firmware/pictures/preview/preview_smoothing.hpp"
 
 namespace plumbline {
 
@@ -84,7 +85,7 @@ Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const Confiden
       const std::string_view name = walls ? (is_first ? "front" : "back") : (is_first ? "above" : "below");
       smooth_depth(view, *scratch, {.across = in_samples(across_mm), .deep = in_samples(deep_mm)});
       const std::int64_t height = rows / kSamplesPerPixel;
-      shade_depth(view, picture, left, (std::int64_t{page.top} + page.bottom - height) / 2, kColours);
+      shade_depth(view, *scratch, picture, left, (std::int64_t{page.top} + page.bottom - height) / 2, kColours);
       if (named) {
         draw_text(picture, left + (std::int64_t{layout.width} - text_width(name, plain)) / 2, page.bottom + 6, name,
                   plain);

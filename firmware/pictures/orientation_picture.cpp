@@ -6,6 +6,7 @@
 #include "firmware/pictures/preview/preview.hpp"
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/pictures/preview/preview_shading.hpp"
+#include "firmware/pictures/preview/preview_smoothing.hpp"
 #include "slicer/placement/core_bounds.hpp"
 #include "slicer/placement/placement.hpp"
 
@@ -108,14 +109,14 @@ Expected<Studio> set_up(const Cloud& cloud, Arena& arena) {
   return Studio{*sight, *memory};
 }
 
-/// Shades what was drawn into `map`.
+/// Shades what was drawn into the map.
 template <class SmallPicture>
-void fill_in(SmallPicture& picture, const DepthMap& map, const std::array<Colour, 2>& colours) {
+void fill_in(SmallPicture& picture, const MapMemory& memory, const std::array<Colour, 2>& colours) {
   picture.columns = SmallPicture::kMostColumns;
   picture.rows = SmallPicture::kMostRows;
   const Picture page{picture.bytes(), picture.columns, picture.rows};
   draw_background(page);
-  shade_depth(map, page, 0, 0, colours, Shades::kOneAPixel);
+  shade_depth(memory.map, memory.scratch, page, 0, 0, colours);
   keep_five_bits(picture.bytes());
 }
 
@@ -142,7 +143,7 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
   std::int64_t left = kLeft;
   for (const OrientationView& view : views) {
     draw_view(cloud, 1, spacing, view.degrees, *sight, *memory);
-    shade_depth(memory->map, picture, left, kFloor - kRows, kColours);
+    shade_depth(memory->map, memory->scratch, picture, left, kFloor - kRows, kColours);
     std::int64_t line = kFloor + 30;
     for (const std::string_view text : view.lines) {
       draw_text(picture, left, line, cut(text, kStep - 12, plain), plain);
@@ -163,7 +164,7 @@ Status draw_proposal_pictures(const Cloud& cloud, float spacing, std::span<const
   const float apart = spacing * std::sqrt(static_cast<float>(step));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     draw_view(cloud, step, apart, degrees[i], studio->sight, studio->memory);
-    fill_in(pictures[i], studio->memory.map, kColours);
+    fill_in(pictures[i], studio->memory, kColours);
   }
   return {};
 }
@@ -199,7 +200,7 @@ Status draw_scan_picture(const Cloud& cloud, Arena& arena, ScanPicture& picture)
     best = side;
   }
   draw(best);
-  fill_in(picture, map, kSidesOfScan);
+  fill_in(picture, studio->memory, kSidesOfScan);
   return {};
 }
 

@@ -10,6 +10,7 @@
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/pictures/preview/preview_section.hpp"
 #include "firmware/pictures/preview/preview_shading.hpp"
+#include "firmware/pictures/preview/preview_smoothing.hpp"
 
 namespace plumbline {
 
@@ -256,7 +257,7 @@ Status draw_side_pictures(const RRep& rrep, const Supports& supports, Arena& are
     picture.rows = SidePicture::kMostRows;
     const Picture page{picture.bytes(), picture.columns, picture.rows};
     draw_background(page);
-    shade_depth(maps[i], page, 0, 0, kMaterials, Shades::kOneAPixel);
+    shade_depth(maps[i], *scratch, page, 0, 0, kMaterials);
     keep_five_bits(picture.bytes());
   }
   return {};

@@ -28,23 +28,14 @@ struct DepthMap {
 
 inline constexpr std::uint32_t kSamplesPerPixel = 2;  ///< of a depth map, on each side of a pixel of the picture
 
-/// A voxel as a view sees it, in samples of the map.
-struct VoxelSize {
-  float across = 1;  ///< the larger of its sides in the picture's plane
-  float deep = 1;    ///< along the view
-};
-
-/// Smooths the steps of pixels and layers, but not across edges of the object.
-/// @param scratch  as many as map.depth
-void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize& voxel);
-
-/// Which samples of a pixel are lit by themselves. Outlines and colours are smooth with both.
-enum class Shades : std::uint8_t { kEverySample, kOneAPixel };
+/// Columns that a map has at most: those of a page.
+inline constexpr std::size_t kMostSamples = 3200;
 
 /// Draws the object lit from the upper left, with soft shadows and darker creases.
+/// @param scratch    as many as map.depth
 /// @param left, top  pixel of the picture where the map's first sample goes
 /// @param materials  as many as the map has, by index
-void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left, std::int64_t top,
-                 std::span<const Colour> materials, Shades shades = Shades::kEverySample);
+void shade_depth(const DepthMap& map, std::span<float> scratch, const Picture& picture, std::int64_t left,
+                 std::int64_t top, std::span<const Colour> materials);
 
 }  // namespace plumbline

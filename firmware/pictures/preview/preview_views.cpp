@@ -4,6 +4,7 @@
 
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/pictures/preview/preview_shading.hpp"
+#include "firmware/pictures/preview/preview_smoothing.hpp"
 #include "firmware/pictures/preview/preview_survey.hpp"
 #include "slicer/core/bit_image.hpp"
 
@@ -100,9 +101,9 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
   const std::int64_t fade = page.gap * 4 / 9;
   draw_floor(picture, layout.front_left, layout.width, layout.floor, fade);
   if (side.columns > 0) draw_floor(picture, layout.side_left, layout.depth, layout.floor, fade);
-  shade_depth(front, picture, layout.front_left, upper, kMaterials);
-  shade_depth(side, picture, layout.side_left, upper, kMaterials);
-  shade_depth(top, picture, layout.top_left, top_upper, kMaterials);
+  shade_depth(front, *scratch, picture, layout.front_left, upper, kMaterials);
+  shade_depth(side, *scratch, picture, layout.side_left, upper, kMaterials);
+  shade_depth(top, *scratch, picture, layout.top_left, top_upper, kMaterials);
   return std::optional<Layout>(layout);
 }
 
