@@ -60,7 +60,7 @@ Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Propo
     views[i].degrees = o.degrees;
     std::ranges::transform(texts[i], views[i].lines.begin(), &Line::view);
   }
-  auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
+  auto encoder = PictureEncoder::create(kPageMemory);
   PLUMBLINE_TRY(encoder);
   const float spacing = std::sqrt(samples.area / static_cast<float>(scan.cloud.size));
   const auto png = encode_orientations(scan.cloud, spacing, title, views, arena, *encoder);

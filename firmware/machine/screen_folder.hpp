@@ -25,10 +25,10 @@ class ScreenFolder {
   void write(std::uint32_t columns, std::uint32_t rows, std::span<const std::uint16_t> pixels);
 
  private:
-  ScreenFolder(std::string folder, PngEncoder encoder) : folder_(std::move(folder)), encoder_(std::move(encoder)) {}
+  ScreenFolder(std::string folder, PictureEncoder encoder) : folder_(std::move(folder)), encoder_(std::move(encoder)) {}
 
   std::string folder_;
-  PngEncoder encoder_;
+  PictureEncoder encoder_;
   std::vector<std::uint8_t> rgb_;
   std::uint32_t frames_ = 0;
 };

@@ -33,17 +33,6 @@ void draw_legend(const Picture& picture, const ConfidenceMap& map) {
   }
 }
 
-Status draw(const RRep& rrep, const ConfidenceMap& map, const PreviewText& text, Arena& arena, const Picture& picture) {
-  PLUMBLINE_TRY(draw_coverage_views(rrep, map, kCoveragePage, true, arena, picture));
-  const TextStyle title{.scale = 4, .colour = kInk};
-  draw_text(picture, kMargin, 38, cut(text.name, kPreviewColumns - 700, title), title);
-  constexpr std::string_view kAbout = "which parts of the surface were scanned";
-  const TextStyle plain{.scale = 2, .colour = kInk};
-  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
-  draw_legend(picture, map);
-  return {};
-}
-
 }  // namespace
 
 Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const ConfidenceMap& map, const Page& page,
@@ -59,55 +48,48 @@ Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const Confiden
   const CoverageLayout layout = CoverageLayout::of(extent, grid, page);
   const auto in_samples = [&](float mm) { return mm * static_cast<float>(layout.samples_per_mm); };
   std::int64_t left = layout.left;
-  // Two views at a time: all four at once would need more memory than any other stage of a small job.
-  const auto draw_pair = [&](bool walls) -> Status {
-    const ArenaScope pair(arena);
-    const std::uint32_t columns = layout.width * kSamplesPerPixel;
-    const std::uint32_t rows = (walls ? layout.height : layout.depth) * kSamplesPerPixel;
-    const std::size_t samples = std::size_t{columns} * rows;
-    const auto depths = arena.take_top<float>(2 * samples, kStage);
+  // One view at a time: all four at once would need more memory than any other stage of a small job.
+  constexpr std::array<std::string_view, 4> kNames = {"front", "back", "above", "below"};
+  const std::uint32_t columns = layout.width * kSamplesPerPixel;
+  for (std::size_t v = 0; v < kNames.size(); ++v, left += layout.step) {
+    const ArenaScope one(arena);
+    const auto view = static_cast<CoverageView>(v);
+    const bool wall = view == CoverageView::kFront || view == CoverageView::kBack;
+    const std::uint32_t height = wall ? layout.height : layout.depth;
+    const std::size_t samples = std::size_t{columns} * height * kSamplesPerPixel;
+    const auto depths = arena.take_top<float>(samples, kStage);
     PLUMBLINE_TRY(depths);
-    const auto materials = arena.take_top<std::uint8_t>(2 * samples, kStage);
+    const auto materials = arena.take_top<std::uint8_t>(samples, kStage);
     PLUMBLINE_TRY(materials);
-    std::fill(depths->begin(), depths->end(), DepthMap::kEmpty);
-    const DepthMap first{depths->first(samples), materials->first(samples), columns, rows};
-    const DepthMap second{depths->last(samples), materials->last(samples), columns, rows};
-    const CoverageViews views = walls ? CoverageViews{first, second, {}, {}} : CoverageViews{{}, {}, first, second};
-    PLUMBLINE_TRY(survey_coverage(rrep, map, extent, layout, *words, arena, views));
-
     const auto scratch = arena.take_top<float>(samples, kStage);
     PLUMBLINE_TRY(scratch);
-    const float across_mm =
-        walls ? std::max(grid.pitch_x_mm, grid.layer_height_mm) : std::max(grid.pitch_x_mm, grid.pitch_y_mm);
-    const float deep_mm = walls ? grid.pitch_y_mm : grid.layer_height_mm;
-    for (const bool is_first : {true, false}) {
-      const DepthMap& view = is_first ? first : second;
-      const std::string_view name = walls ? (is_first ? "front" : "back") : (is_first ? "above" : "below");
-      smooth_depth(view, *scratch, {.across = in_samples(across_mm), .deep = in_samples(deep_mm)});
-      const std::int64_t height = rows / kSamplesPerPixel;
-      shade_depth(view, *scratch, picture, left, (std::int64_t{page.top} + page.bottom - height) / 2, kColours);
-      if (named) {
-        draw_text(picture, left + (std::int64_t{layout.width} - text_width(name, plain)) / 2, page.bottom + 6, name,
-                  plain);
-      }
-      left += layout.step;
+    const DepthMap seen{*depths, *materials, columns, height * kSamplesPerPixel};
+    PLUMBLINE_TRY(survey_coverage(rrep, map, extent, layout, *words, arena, view, seen));
+    const float across_mm = std::max(grid.pitch_x_mm, wall ? grid.layer_height_mm : grid.pitch_y_mm);
+    const float deep_mm = wall ? grid.pitch_y_mm : grid.layer_height_mm;
+    smooth_depth(seen, *scratch, {.across = in_samples(across_mm), .deep = in_samples(deep_mm)});
+    shade_depth(seen, *scratch, picture, left, (std::int64_t{page.top} + page.bottom - height) / 2, kColours);
+    if (named) {
+      const std::int64_t spare = std::int64_t{layout.width} - text_width(kNames[v], plain);
+      draw_text(picture, left + spare / 2, page.bottom + 6, kNames[v], plain);
     }
-    return {};
-  };
-  PLUMBLINE_TRY(draw_pair(true));
-  PLUMBLINE_TRY(draw_pair(false));
+  }
   const std::uint32_t tall = std::max(layout.height, layout.depth);
   return PagePart{static_cast<std::uint32_t>(layout.left) - kRim, (page.top + page.bottom - tall) / 2 - kRim,
                   static_cast<std::uint32_t>(3 * layout.step) + layout.width + 2 * kRim, tall + 2 * kRim};
 }
 
-Expected<std::span<const std::byte>> encode_coverage(const RRep& rrep, const ConfidenceMap& map,
-                                                     const PreviewText& text, Arena& arena, PngEncoder& encoder) {
-  const ArenaScope scope(arena);
-  const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, kStage);
-  PLUMBLINE_TRY(rgb);
-  PLUMBLINE_TRY(draw(rrep, map, text, arena, {*rgb, kPreviewColumns, kPreviewRows}));
-  return encoder.encode(*rgb, kPreviewColumns, kPreviewRows);
+Status draw_coverage(const RRep& rrep, const ConfidenceMap& map, std::string_view name, Arena& arena,
+                     std::span<std::uint8_t> rgb) {
+  const Picture picture{rgb, kPreviewColumns, kPreviewRows};
+  PLUMBLINE_TRY(draw_coverage_views(rrep, map, kCoveragePage, true, arena, picture));
+  const TextStyle title{.scale = 4, .colour = kInk};
+  draw_text(picture, kMargin, 38, cut(name, kPreviewColumns - 700, title), title);
+  constexpr std::string_view kAbout = "which parts of the surface were scanned";
+  const TextStyle plain{.scale = 2, .colour = kInk};
+  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
+  draw_legend(picture, map);
+  return {};
 }
 
 }  // namespace plumbline

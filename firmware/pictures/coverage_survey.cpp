@@ -1,8 +1,10 @@
 #include "firmware/pictures/coverage_survey.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
+#include "firmware/pictures/preview/preview_section.hpp"
 #include "slicer/core/bit_image.hpp"
 
 namespace plumbline::preview {
@@ -23,41 +25,47 @@ class Surveyor {
         cells_((rrep.grid.columns + step_ - 1) / step_) {}
 
   Status take(Arena& arena) {
-    const auto highest = arena.take_top<std::uint16_t>(height_cells(rrep_.grid), kStage);
-    PLUMBLINE_TRY(highest);
-    const auto lowest = arena.take_top<std::uint16_t>(height_cells(rrep_.grid), kStage);
-    PLUMBLINE_TRY(lowest);
+    const auto ends = arena.take_top<std::uint16_t>(height_cells(rrep_.grid), kStage);
+    PLUMBLINE_TRY(ends);
     const auto nearest = arena.take_top<std::uint32_t>(rrep_.grid.columns, kStage);
     PLUMBLINE_TRY(nearest);
     const auto found = arena.take_top<std::uint64_t>((rrep_.grid.columns + 63) / 64, kStage);
     PLUMBLINE_TRY(found);
-    highest_ = *highest;
-    lowest_ = *lowest;
+    ends_ = *ends;
     nearest_ = *nearest;
     found_ = *found;
     return {};
   }
 
-  void survey(std::span<std::uint64_t> words, const CoverageViews& views) {
-    std::fill(highest_.begin(), highest_.end(), std::uint16_t{0});
-    std::fill(lowest_.begin(), lowest_.end(), kNever);
-    BitImage section(words, rrep_.grid.columns, rrep_.grid.rows);
-    section.clear();
-    std::int64_t line = std::int64_t{views.front.rows} - 1;
-    for (std::uint32_t layer = 0; layer < extent_.layer_end; ++layer) {
-      advance(section, layer);
-      const std::int64_t first = line;
-      while (line >= 0 && layer_of(line, views.front.rows) <= layer) --line;
-      if (layer < extent_.layer || first == line) continue;
-      see(section, true);
-      for (std::int64_t at = first; at > line; --at)
-        draw_wall(views.front, static_cast<std::uint32_t>(at), layer, true);
-      see(section, false);
-      for (std::int64_t at = first; at > line; --at)
-        draw_wall(views.back, static_cast<std::uint32_t>(at), layer, false);
+  /// The front, or the back, which is mirrored. The lines of a layer are alike.
+  void draw_wall(std::span<std::uint64_t> words, const DepthMap& map, bool front) {
+    std::array<std::uint32_t, kMostSamples> columns;
+    for (std::uint32_t u = 0; u < map.columns; ++u) columns[u] = column_of(front ? u : map.columns - 1 - u);
+    Section section(rrep_, words);
+    std::int64_t line = std::int64_t{map.rows} - 1;
+    for (std::uint32_t layer = 0; layer < extent_.layer_end && line >= 0; ++layer) {
+      section.advance(layer, [](std::uint32_t, std::uint32_t, bool) {});
+      if (layer < extent_.layer || layer_of(line, map.rows) > layer) continue;
+      see(section.image(), front);
+      const auto first = static_cast<std::uint32_t>(line);
+      draw_line(map, first, std::span(columns).first(map.columns), layer, front);
+      for (--line; line >= 0 && layer_of(line, map.rows) <= layer; --line) {
+        map.copy_line(first, static_cast<std::uint32_t>(line));
+      }
     }
-    draw_flat(views.top, section, true);
-    draw_flat(views.below, section, false);
+  }
+  /// The view from above, with the back at the upper end, or from below, with the front there.
+  void draw_flat(std::span<std::uint64_t> words, const DepthMap& map, bool top) {
+    std::fill(ends_.begin(), ends_.end(), kNever);
+    Section section(rrep_, words);
+    for (std::uint32_t layer = 0; layer < extent_.layer_end; ++layer) {
+      section.advance(layer, [&](std::uint32_t column, std::uint32_t row, bool inside) {
+        if (inside == top || ((column | row) & (step_ - 1)) != 0) return;
+        std::uint16_t& end = ends_[std::size_t{row / step_} * cells_ + column / step_];
+        if (top || end == kNever) end = static_cast<std::uint16_t>(layer);
+      });
+    }
+    show_flat(map, section.image(), top);
   }
 
  private:
@@ -78,30 +86,16 @@ class Surveyor {
     return static_cast<float>(cells * double{size_mm} * samples_per_mm_);
   }
 
-  void advance(BitImage& section, std::uint32_t layer) {
-    for (std::uint32_t k = rrep_.first[layer]; k < rrep_.first[layer + 1]; ++k) {
-      const std::uint32_t row = rrep_.pixel[k] / rrep_.grid.columns;
-      const std::uint32_t column = rrep_.pixel[k] % rrep_.grid.columns;
-      std::uint64_t& word = section.row(row)[column / 64];
-      word ^= std::uint64_t{1} << (column % 64);
-      if (((column | row) & (step_ - 1)) != 0) continue;
-      const std::size_t at = std::size_t{row / step_} * cells_ + column / step_;
-      if ((word >> (column % 64) & 1U) == 0) {
-        highest_[at] = static_cast<std::uint16_t>(layer);
-      } else if (lowest_[at] == kNever) {
-        lowest_[at] = static_cast<std::uint16_t>(layer);
-      }
-    }
-  }
-
   /// Finds the nearest row of each column, seen from the front or from the back.
   void see(const BitImage& section, bool from_front) {
-    std::fill(nearest_.begin(), nearest_.end(), kNone);
-    std::fill(found_.begin(), found_.end(), std::uint64_t{0});
+    const std::size_t first = extent_.column / 64, last = (extent_.column_end - 1) / 64;
+    std::fill(nearest_.begin() + extent_.column, nearest_.begin() + extent_.column_end, kNone);
+    std::fill(found_.begin() + static_cast<std::ptrdiff_t>(first),
+              found_.begin() + static_cast<std::ptrdiff_t>(last) + 1, std::uint64_t{0});
     for (std::uint32_t k = 0; k < extent_.row_end - extent_.row; ++k) {
       const std::uint32_t row = from_front ? extent_.row + k : extent_.row_end - 1 - k;
       const auto words = section.row(row);
-      for (std::size_t w = 0; w < found_.size(); ++w) {
+      for (std::size_t w = first; w <= last; ++w) {
         std::uint64_t fresh = words[w] & ~found_[w];
         found_[w] |= fresh;
         for (; fresh != 0; fresh &= fresh - 1)
@@ -116,30 +110,28 @@ class Surveyor {
     map.depth[sample] = depth;
     map.material[sample] = static_cast<std::uint8_t>(map_.at(column, row, layer));
   }
-  /// Draws a line of the front view, or of the back view, which is mirrored.
-  void draw_wall(const DepthMap& map, std::uint32_t line, std::uint32_t layer, bool front) const {
+  void draw_line(const DepthMap& map, std::uint32_t line, std::span<const std::uint32_t> columns, std::uint32_t layer,
+                 bool front) const {
     for (std::uint32_t u = 0; u < map.columns; ++u) {
-      const std::uint32_t column = column_of(front ? u : map.columns - 1 - u);
-      const std::uint32_t row = nearest_[column];
+      const std::uint32_t row = nearest_[columns[u]];
       if (row == kNone) continue;
       const std::uint32_t deep = front ? row - extent_.row : extent_.row_end - 1 - row;
-      show(map, u, line, samples(deep, rrep_.grid.pitch_y_mm), column, row, layer);
+      show(map, u, line, samples(deep, rrep_.grid.pitch_y_mm), columns[u], row, layer);
     }
   }
-  /// Draws the view from above, with the back at the upper end, or from below, with the front there.
-  void draw_flat(const DepthMap& map, const BitImage& last, bool top) const {
+  void show_flat(const DepthMap& map, const BitImage& last, bool top) const {
+    std::array<std::uint32_t, kMostSamples> columns;
+    for (std::uint32_t u = 0; u < map.columns; ++u) columns[u] = column_of(u) / step_;
     for (std::uint32_t v = 0; v < map.rows; ++v) {
       const std::uint32_t row = row_of(top ? map.rows - v - 0.5 : v + 0.5) / step_;
       for (std::uint32_t u = 0; u < map.columns; ++u) {
-        const std::uint32_t column = column_of(u) / step_;
-        const std::size_t at = std::size_t{row} * cells_ + column;
-        if (lowest_[at] == kNever) continue;
+        const std::uint32_t column = columns[u];
+        std::uint32_t end = ends_[std::size_t{row} * cells_ + column];
         // Columns that are still solid in the last layer end at the top of the grid.
-        const bool goes_on = last.at(column * step_, row * step_);
-        const std::uint32_t end = goes_on ? extent_.layer_end : highest_[at];
-        const std::uint32_t deep = top ? extent_.layer_end - end : lowest_[at] - extent_.layer;
-        show(map, u, v, samples(deep, rrep_.grid.layer_height_mm), column * step_, row * step_,
-             top ? end - 1 : lowest_[at]);
+        if (top && last.at(column * step_, row * step_)) end = extent_.layer_end;
+        if (end == kNever) continue;
+        const std::uint32_t deep = top ? extent_.layer_end - end : end - extent_.layer;
+        show(map, u, v, samples(deep, rrep_.grid.layer_height_mm), column * step_, row * step_, top ? end - 1 : end);
       }
     }
   }
@@ -148,9 +140,9 @@ class Surveyor {
   const ConfidenceMap& map_;
   const Extent& extent_;
   double samples_per_mm_;
-  std::uint32_t step_;   ///< pixels between two heights
-  std::uint32_t cells_;  ///< a row of heights
-  std::span<std::uint16_t> highest_, lowest_;
+  std::uint32_t step_;                ///< pixels between two heights
+  std::uint32_t cells_;               ///< a row of heights
+  std::span<std::uint16_t> ends_;     ///< of the surface, by cell: the layers in which it begins or ends
   std::span<std::uint32_t> nearest_;  ///< by column
   std::span<std::uint64_t> found_;
 };
@@ -177,11 +169,16 @@ CoverageLayout CoverageLayout::of(const Extent& extent, const PrintGrid& grid, c
 }
 
 Status survey_coverage(const RRep& rrep, const ConfidenceMap& map, const Extent& extent, const CoverageLayout& layout,
-                       std::span<std::uint64_t> section, Arena& arena, const CoverageViews& views) {
+                       std::span<std::uint64_t> section, Arena& arena, CoverageView view, const DepthMap& depths) {
   const ArenaScope scope(arena);
   Surveyor surveyor(rrep, map, extent, layout);
   PLUMBLINE_TRY(surveyor.take(arena));
-  surveyor.survey(section, views);
+  std::fill(depths.depth.begin(), depths.depth.end(), DepthMap::kEmpty);
+  if (view == CoverageView::kFront || view == CoverageView::kBack) {
+    surveyor.draw_wall(section, depths, view == CoverageView::kFront);
+  } else {
+    surveyor.draw_flat(section, depths, view == CoverageView::kAbove);
+  }
   return {};
 }
 

@@ -21,17 +21,15 @@ struct CoverageLayout {
   static CoverageLayout of(const Extent& extent, const PrintGrid& grid, const Page& page);
 };
 
-/// DepthMap::material is an Evidence.
-struct CoverageViews {
-  DepthMap front, back, top, below;
-};
+enum class CoverageView : std::uint8_t { kFront, kBack, kAbove, kBelow };
 
-/// Fills the maps that have samples, in one sweep over the layers.
+/// Fills the depth map of one view in a sweep over the layers.
 /// @param section  scratch: an image of the grid
 /// @param arena    for the heights of the surface, taken from the top and released
+/// @param depths   DepthMap::material is an Evidence
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Status survey_coverage(const RRep& rrep, const ConfidenceMap& map, const Extent& extent,
                                      const CoverageLayout& layout, std::span<std::uint64_t> section, Arena& arena,
-                                     const CoverageViews& views);
+                                     CoverageView view, const DepthMap& depths);
 
 }  // namespace plumbline::preview

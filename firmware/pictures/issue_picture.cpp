@@ -218,15 +218,9 @@ ShownIssues::ShownIssues(const StackFindings& findings) {
   });
 }
 
-Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const PrintGrid& grid,
-                                                   std::string_view name, MaskOf masks, Arena& arena,
-                                                   PngEncoder& encoder) {
-  const ShownIssues shown(findings);
-  if (shown.count == 0) return std::span<const std::byte>();
-  const ArenaScope scope(arena);
-  const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, kStage);
-  PLUMBLINE_TRY(rgb);
-  const Picture picture{*rgb, kPreviewColumns, kPreviewRows};
+Status draw_issues(const StackFindings& findings, const PrintGrid& grid, std::string_view name, MaskOf masks,
+                   Arena& arena, std::span<std::uint8_t> rgb) {
+  const Picture picture{rgb, kPreviewColumns, kPreviewRows};
   draw_background(picture);
   const TextStyle title{.scale = 4, .colour = kInk};
   draw_text(picture, kPage.left, 38, cut(name, kPreviewColumns - 800, title), title);
@@ -235,17 +229,14 @@ Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings
   draw_text(picture, std::int64_t{kPreviewColumns} - kPage.left - text_width(kAbout, plain), 52, kAbout, plain);
 
   const IssueScale scale(grid);
-  PLUMBLINE_TRY(draw_tiles(picture, kPage, shown, grid, masks, arena, [&](const Issue& issue, const TilePlace& place) {
-    draw_caption(picture, place, issue, scale);
-  }));
-  return encoder.encode(*rgb, kPreviewColumns, kPreviewRows);
+  return draw_tiles(picture, kPage, ShownIssues(findings), grid, masks, arena,
+                    [&](const Issue& issue, const TilePlace& place) { draw_caption(picture, place, issue, scale); });
 }
 
-Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const RRep& rrep,
-                                                   const Supports& supports, std::string_view name, Arena& arena,
-                                                   PngEncoder& encoder) {
+Status draw_issues(const StackFindings& findings, const RRep& rrep, const Supports& supports, std::string_view name,
+                   Arena& arena, std::span<std::uint8_t> rgb) {
   return with_masks(rrep, supports, arena,
-                    [&](MaskOf masks) { return encode_issues(findings, rrep.grid, name, masks, arena, encoder); });
+                    [&](MaskOf masks) { return draw_issues(findings, rrep.grid, name, masks, arena, rgb); });
 }
 
 Status draw_issues_picture(const StackFindings& findings, const RRep& rrep, const Supports& supports, Arena& arena,

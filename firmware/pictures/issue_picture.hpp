@@ -34,19 +34,16 @@ struct ShownIssues {
 /// Draws a part of the mask round each issue: white pixels, those of the layer below in grey, and the issue in red.
 /// @param name   of the scan
 /// @param masks  called for each layer that is shown and the one below it, in ascending order
-/// @param arena  an RGB picture of kPreviewColumns x kPreviewRows, two images of the grid and the regions of one are taken from its
-///               top and released
-/// @returns the file, in the encoder's memory, valid until its next use; empty if there is nothing to show
+/// @param arena  two images of the grid and the regions of one are taken from its top and released
+/// @param rgb    kPageBytes of the caller, row after row from the top; overwritten
 /// @retval ErrorCode::kOutOfMemory, and any error of `masks`
-[[nodiscard]] Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const PrintGrid& grid,
-                                                                 std::string_view name, MaskOf masks, Arena& arena,
-                                                                 PngEncoder& encoder);
+[[nodiscard]] Status draw_issues(const StackFindings& findings, const PrintGrid& grid, std::string_view name,
+                                 MaskOf masks, Arena& arena, std::span<std::uint8_t> rgb);
 
 /// The same for the masks of an R-Rep, which are made anew.
 /// @param arena  a MaskStream is taken from its bottom and released, too
-[[nodiscard]] Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const RRep& rrep,
-                                                                 const Supports& supports, std::string_view name,
-                                                                 Arena& arena, PngEncoder& encoder);
+[[nodiscard]] Status draw_issues(const StackFindings& findings, const RRep& rrep, const Supports& supports,
+                                 std::string_view name, Arena& arena, std::span<std::uint8_t> rgb);
 
 /// Draws the same tiles without texts, small enough to be kept for as long as the job lasts. There is no picture if there is nothing to
 /// show, and none after an error.

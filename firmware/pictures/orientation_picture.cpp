@@ -124,11 +124,11 @@ void fill_in(SmallPicture& picture, const MapMemory& memory, const std::array<Co
 
 Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, float spacing, std::string_view name,
                                                          std::span<const OrientationView> views, Arena& arena,
-                                                         PngEncoder& encoder) {
+                                                         PictureEncoder& encoder) {
   const ArenaScope scope(arena);
-  const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, kStage);
+  const auto rgb = arena.take_top<std::uint8_t>(kPageMemory, kStage);
   PLUMBLINE_TRY(rgb);
-  const Picture picture{*rgb, kPreviewColumns, kPreviewRows};
+  const Picture picture{rgb->first(kPageBytes), kPreviewColumns, kPreviewRows};
   const auto memory = take_map(kColumns * kSamplesPerPixel, kRows * kSamplesPerPixel, arena);
   PLUMBLINE_TRY(memory);
   draw_background(picture);

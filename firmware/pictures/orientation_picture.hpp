@@ -30,7 +30,7 @@ struct OrientationView {
 [[nodiscard]] Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, float spacing,
                                                                        std::string_view name,
                                                                        std::span<const OrientationView> views,
-                                                                       Arena& arena, PngEncoder& encoder);
+                                                                       Arena& arena, PictureEncoder& encoder);
 
 /// Draws the scan in small, as it lies and in each of the best orientations, all at one scale and as above but without texts.
 /// @param degrees  about x, then about y; of as many as there are pictures

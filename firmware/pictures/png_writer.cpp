@@ -7,7 +7,6 @@
 #include <array>
 #include <cassert>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
 #include <new>
 
@@ -21,7 +20,7 @@ namespace {
 constexpr std::size_t kFrameBytes = 8 + 25 + 12 + 12;
 
 constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-/// Filter of a small picture's lines: each byte less the one above it.
+/// Filter of a picture's lines: each byte less the one above it. Shaded surfaces come out no larger than with the best of five for each line.
 constexpr std::uint8_t kUpFilter = 2;
 
 /// libdeflate's level for small pictures: they are made while a printer has other things to do.
@@ -73,12 +72,8 @@ std::span<const std::byte> write_png(const PngFormat& format, const Compress& co
 
 }  // namespace
 
-void PngEncoder::FreeCompressor::operator()(libdeflate_compressor* compressor) const {
-  libdeflate_free_compressor(compressor);
-}
-
-bool PngEncoder::Buffer::take(std::size_t count) {
-  bytes.reset(new (std::nothrow) unsigned char[count]);
+bool PngBuffer::take(std::size_t count) {
+  bytes.reset(new (std::nothrow) std::uint8_t[count]);
   size = count;
   return bytes != nullptr;
 }
@@ -92,107 +87,61 @@ Expected<PngEncoder> PngEncoder::for_masks(std::uint32_t columns, std::uint32_t 
   return encoder;
 }
 
-Expected<PngEncoder> PngEncoder::for_pictures(std::uint32_t columns, std::uint32_t rows, int level) {
-  assert(columns > 0 && rows > 0 && level >= 1 && level <= 12);
-  PngEncoder encoder;
-  encoder.compressor_.reset(libdeflate_alloc_compressor(level));
-  if (!encoder.compressor_) return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for the compressor");
-  const std::size_t lines = (1 + std::size_t{3} * columns) * rows;
-  const std::size_t bound = libdeflate_zlib_compress_bound(encoder.compressor_.get(), lines);
-  if (!encoder.compressed_.take(bound) || !encoder.file_.take(bound + kFrameBytes)) {
-    return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a picture");
-  }
-  return encoder;
-}
-
-/// lodepng's hook for the zlib stream. `out` is freed by lodepng with free().
-unsigned PngEncoder::compress(unsigned char** out, std::size_t* out_size, const unsigned char* in, std::size_t in_size,
-                              const void* settings) {
-  constexpr unsigned kNoMemory = 83;  // lodepng's number
-  const auto* self =
-      static_cast<const PngEncoder*>(static_cast<const LodePNGCompressSettings*>(settings)->custom_context);
-  const std::size_t size = libdeflate_zlib_compress(self->compressor_.get(), in, in_size, self->compressed_.bytes.get(),
-                                                    self->compressed_.size);
-  if (size == 0) return kNoMemory;
-  // lodepng keeps this block, so it is as large as the result, not as the bound.
-  *out = static_cast<unsigned char*>(std::malloc(size));
-  if (*out == nullptr) return kNoMemory;
-  std::memcpy(*out, self->compressed_.bytes.get(), size);
-  *out_size = size;
-  return 0;
-}
-
-Expected<std::span<const std::byte>> PngEncoder::encode_raw(const unsigned char* raw, std::uint32_t columns,
-                                                            std::uint32_t rows) {
-  LodePNGState state;
-  lodepng_state_init(&state);
-  state.info_raw.colortype = LCT_RGB;
-  state.info_raw.bitdepth = 8;
-  state.info_png.color.colortype = state.info_raw.colortype;
-  state.info_png.color.bitdepth = state.info_raw.bitdepth;
-  state.encoder.auto_convert = 0;
-  state.encoder.filter_palette_zero = 1;
-  state.encoder.filter_strategy = LFS_MINSUM;
-  state.encoder.zlibsettings.custom_zlib = [](unsigned char** out, std::size_t* out_size, const unsigned char* in,
-                                              std::size_t in_size, const LodePNGCompressSettings* settings) {
-    return compress(out, out_size, in, in_size, settings);
-  };
-  state.encoder.zlibsettings.custom_context = this;
-  unsigned char* out = nullptr;
-  std::size_t size = 0;
-  const unsigned error = lodepng_encode(&out, &size, raw, columns, rows, &state);
-  lodepng_state_cleanup(&state);
-  if (error == 0) {
-    assert(size <= file_.size);
-    std::memcpy(file_.bytes.get(), out, size);
-  }
-  std::free(out);
-  if (error != 0) return fail(ErrorCode::kOutOfMemory, "PNG encoder: %s", lodepng_error_text(error));
-  return std::as_bytes(std::span<const unsigned char>(file_.bytes.get(), size));
-}
-
 std::span<const std::byte> PngEncoder::encode(ConstBitImage mask) {
   return write_png({mask.columns(), mask.rows(), static_cast<unsigned>(depth_), LCT_GREY},
                    [&](std::span<std::uint8_t> out) { return deflate_mask(mask, depth_, out); },
                    {file_.bytes.get(), file_.size});
 }
 
-Expected<std::span<const std::byte>> PngEncoder::encode(std::span<const std::uint8_t> rgb, std::uint32_t columns,
-                                                        std::uint32_t rows) {
-  assert(columns > 0 && rows > 0 && rgb.size() == std::size_t{3} * columns * rows);
-  assert((1 + std::size_t{3} * columns) * rows <= compressed_.size);
-  return encode_raw(rgb.data(), columns, rows);
-}
-
-void SmallPngEncoder::FreeCompressor::operator()(libdeflate_compressor* compressor) const {
+void PictureEncoder::FreeCompressor::operator()(libdeflate_compressor* compressor) const {
   libdeflate_free_compressor(compressor);
 }
 
-Expected<SmallPngEncoder> SmallPngEncoder::create(std::size_t most_bytes, std::uint32_t most_rows) {
-  SmallPngEncoder encoder;
-  encoder.compressor_.reset(libdeflate_alloc_compressor(kSmallLevel));
+Expected<PictureEncoder> PictureEncoder::create(std::size_t most_bytes, int level) {
+  PictureEncoder encoder;
+  encoder.compressor_.reset(libdeflate_alloc_compressor(level));
   if (!encoder.compressor_) return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for the compressor");
-  encoder.lines_.resize(most_bytes + most_rows);
-  encoder.file_.resize(libdeflate_zlib_compress_bound(encoder.compressor_.get(), encoder.lines_.size()) + kFrameBytes);
+  const std::size_t bound = libdeflate_zlib_compress_bound(encoder.compressor_.get(), most_bytes);
+  if (!encoder.file_.take(bound + kFrameBytes)) {
+    return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a picture");
+  }
   return encoder;
+}
+
+std::span<const std::byte> PictureEncoder::encode(std::span<std::uint8_t> memory, std::uint32_t columns,
+                                                  std::uint32_t rows, std::uint32_t channels) {
+  const std::size_t width = std::size_t{channels} * columns, size = picture_memory(columns, rows, channels);
+  assert(memory.size() >= size && size + kFrameBytes <= file_.size);
+  // A line lies after all rows that are still to be filtered: from the last one up, each takes the place of rows that are not needed.
+  for (std::size_t r = rows; r-- > 0;) {
+    std::uint8_t* const line = memory.data() + r * (width + 1);
+    const std::uint8_t* const row = memory.data() + r * width;
+    if (r > 0) {
+      for (std::size_t i = width; i-- > 0;) line[1 + i] = static_cast<std::uint8_t>(row[i] - row[i - width]);
+    } else {
+      std::copy_backward(row, row + width, line + 1 + width);
+    }
+    line[0] = kUpFilter;
+  }
+  const auto compress = [&](std::span<std::uint8_t> out) {
+    return libdeflate_zlib_compress(compressor_.get(), memory.data(), size, out.data(), out.size());
+  };
+  return write_png({columns, rows, 8, channels == 3 ? LCT_RGB : LCT_GREY}, compress, {file_.bytes.get(), file_.size});
+}
+
+Expected<SmallPngEncoder> SmallPngEncoder::create(std::size_t most_bytes, std::uint32_t most_rows) {
+  auto encoder = PictureEncoder::create(most_bytes + most_rows, kSmallLevel);
+  PLUMBLINE_TRY(encoder);
+  SmallPngEncoder small(std::move(*encoder));
+  small.lines_.resize(most_bytes + most_rows);
+  return small;
 }
 
 std::span<const std::byte> SmallPngEncoder::encode(std::span<const std::uint8_t> pixels, std::uint32_t columns,
                                                    std::uint32_t rows, std::uint32_t channels) {
-  const std::size_t width = std::size_t{channels} * columns;
-  assert(pixels.size() == width * rows && pixels.size() + rows <= lines_.size());
-  for (std::size_t r = 0; r < rows; ++r) {
-    std::uint8_t* const line = lines_.data() + r * (width + 1);
-    line[0] = kUpFilter;
-    for (std::size_t i = 0; i < width; ++i) {
-      const unsigned above = r > 0 ? pixels[(r - 1) * width + i] : 0U;
-      line[1 + i] = static_cast<std::uint8_t>(pixels[r * width + i] - above);
-    }
-  }
-  const auto compress = [this, lines = rows * (width + 1)](std::span<std::uint8_t> out) {
-    return libdeflate_zlib_compress(compressor_.get(), lines_.data(), lines, out.data(), out.size());
-  };
-  return write_png({columns, rows, 8, channels == 3 ? LCT_RGB : LCT_GREY}, compress, file_);
+  assert(pixels.size() + rows <= lines_.size());
+  std::copy(pixels.begin(), pixels.end(), lines_.begin());
+  return encoder_.encode(lines_, columns, rows, channels);
 }
 
 void SmallPngDecoder::FreeDecompressor::operator()(libdeflate_decompressor* decompressor) const {

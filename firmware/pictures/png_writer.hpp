@@ -1,11 +1,11 @@
 #pragma once
-/// PNG images: masks by mask_deflate, small pictures by libdeflate, others by lodepng with libdeflate behind it; masks read by lodepng,
-/// small pictures by libdeflate.
+/// PNG images: masks by mask_deflate, pictures by libdeflate; masks read by lodepng, small pictures by libdeflate.
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "firmware/pictures/mask_deflate.hpp"
@@ -17,57 +17,65 @@ struct libdeflate_decompressor;
 
 namespace plumbline {
 
-/// Encodes one image after another, with buffers and a compressor that it takes once, when it is made.
-///
-/// For a picture, but not for a mask, lodepng takes memory with malloc: Debian builds the library with its own allocators, which
-/// can't be replaced.
+/// Its pages exist from when they are filled: a compressed picture is far smaller than its bound.
+struct PngBuffer {
+  std::unique_ptr<std::uint8_t[]> bytes;
+  std::size_t size = 0;
+
+  /// @returns false if the heap has no room
+  [[nodiscard]] bool take(std::size_t count);
+};
+
+/// Encodes one mask after another, with a buffer that it takes once, when it is made.
 class PngEncoder {
  public:
   /// For masks of up to `columns` x `rows`.
-  /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffers
+  /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffer
   [[nodiscard]] static Expected<PngEncoder> for_masks(std::uint32_t columns, std::uint32_t rows,
                                                       MaskDepth depth = MaskDepth::kBit);
-  /// For pictures of up to `columns` x `rows`, 8-bit RGB.
-  /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffers
-  [[nodiscard]] static Expected<PngEncoder> for_pictures(std::uint32_t columns, std::uint32_t rows, int level = 6);
 
   /// Greyscale, white where resin cures.
   /// @param mask  1 x 1 or more, not larger than the encoder was made for
   /// @returns the whole file, valid until the next call
   std::span<const std::byte> encode(ConstBitImage mask);
 
-  /// 8-bit RGB.
-  /// @param rgb  3 * columns * rows bytes, row after row from the top
+ private:
+  PngEncoder() = default;
+
+  PngBuffer file_;  ///< what encode() returns
+  MaskDepth depth_ = MaskDepth::kBit;
+};
+
+/// Bytes of the lines of a picture's PNG: a filter and its pixels each.
+constexpr std::size_t picture_memory(std::uint32_t columns, std::uint32_t rows, std::uint32_t channels = 3) {
+  return (1 + std::size_t{channels} * columns) * rows;
+}
+
+/// Encodes one picture after another. Takes all memory when it is made.
+class PictureEncoder {
+ public:
+  /// For pictures of up to `most_bytes`: picture_memory().
+  /// @param level  of libdeflate
+  /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffer and the compressor
+  [[nodiscard]] static Expected<PictureEncoder> create(std::size_t most_bytes, int level = 5);
+
+  /// @param memory    picture_memory(), overwritten: channels * columns * rows bytes are the pixels, row after row from the top
+  /// @param channels  1: grey levels, 3: RGB
   /// @returns the whole file, valid until the next call
-  /// @retval ErrorCode::kOutOfMemory  lodepng found no memory
-  [[nodiscard]] Expected<std::span<const std::byte>> encode(std::span<const std::uint8_t> rgb, std::uint32_t columns,
-                                                            std::uint32_t rows);
+  std::span<const std::byte> encode(std::span<std::uint8_t> memory, std::uint32_t columns, std::uint32_t rows,
+                                    std::uint32_t channels = 3);
 
  private:
   struct FreeCompressor {
     void operator()(libdeflate_compressor* compressor) const;
   };
-  /// Its pages exist from when they are filled: a compressed picture is far smaller than its bound.
-  struct Buffer {
-    std::unique_ptr<unsigned char[]> bytes;
-    std::size_t size = 0;
+  PictureEncoder() = default;
 
-    [[nodiscard]] bool take(std::size_t count);
-  };
-
-  PngEncoder() = default;
-  [[nodiscard]] Expected<std::span<const std::byte>> encode_raw(const unsigned char* raw, std::uint32_t columns,
-                                                                std::uint32_t rows);
-  static unsigned compress(unsigned char** out, std::size_t* out_size, const unsigned char* in, std::size_t in_size,
-                           const void* settings);
-
-  std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor_;  ///< of pictures
-  Buffer compressed_;                                                  ///< the zlib stream of a picture
-  Buffer file_;                                                        ///< what encode() returns
-  MaskDepth depth_ = MaskDepth::kBit;
+  std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor_;
+  PngBuffer file_;
 };
 
-/// Encodes small pictures without the heap: for a process whose memory is fixed. All memory is taken when it is made.
+/// Encodes small pictures that are kept: for a process whose memory is fixed. All memory is taken when it is made.
 class SmallPngEncoder {
  public:
   /// @param most_bytes  of the pixels of any picture
@@ -81,14 +89,10 @@ class SmallPngEncoder {
                                     std::uint32_t channels);
 
  private:
-  struct FreeCompressor {
-    void operator()(libdeflate_compressor* compressor) const;
-  };
-  SmallPngEncoder() = default;
+  explicit SmallPngEncoder(PictureEncoder encoder) : encoder_(std::move(encoder)) {}
 
-  std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor_;
-  std::vector<std::uint8_t> lines_;  ///< filtered
-  std::vector<std::uint8_t> file_;
+  PictureEncoder encoder_;
+  std::vector<std::uint8_t> lines_;
 };
 
 struct PngSize {

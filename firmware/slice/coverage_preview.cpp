@@ -4,6 +4,7 @@
 
 #include "firmware/io/output_file.hpp"
 #include "firmware/pictures/coverage_picture.hpp"
+#include "firmware/pictures/preview/preview.hpp"
 #include "firmware/slice/job_report.hpp"
 
 namespace plumbline {
@@ -14,9 +15,10 @@ namespace {
 constexpr double kNoObject = 0.5;
 
 Status draw(const RRep& rrep, const ConfidenceMap& map, std::string_view name, const std::string& path, Arena& arena) {
-  auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
+  auto encoder = PictureEncoder::create(kPageMemory);
   PLUMBLINE_TRY(encoder);
-  const auto png = encode_coverage(rrep, map, {name, {}, {}}, arena, *encoder);
+  const auto png = encode_page(arena, *encoder,
+                               [&](std::span<std::uint8_t> rgb) { return draw_coverage(rrep, map, name, arena, rgb); });
   PLUMBLINE_TRY(png);
   return write_file(path.c_str(), *png);
 }

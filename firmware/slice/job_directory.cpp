@@ -193,8 +193,10 @@ Status JobDirectory::write_layer(std::uint32_t layer, std::span<const std::byte>
   return write_file(layer_path(layer).c_str(), png);
 }
 
+const char* JobDirectory::name(Picture picture) { return kPictures[static_cast<std::size_t>(picture)]; }
+
 Status JobDirectory::write_picture(Picture picture, std::span<const std::byte> png) {
-  return write_file(file_path(kPictures[static_cast<std::size_t>(picture)]).c_str(), png);
+  return write_file(file_path(name(picture)).c_str(), png);
 }
 
 Expected<OutputFile> JobDirectory::create_manifest() { return OutputFile::create(file_path(kNewManifest).c_str()); }

@@ -51,6 +51,8 @@ class JobDirectory {
   /// @param layer  0 to 65535
   /// @retval ErrorCode::kCannotOpen, kCannotWrite  path, reason, what to do
   [[nodiscard]] Status write_layer(std::uint32_t layer, std::span<const std::byte> png);
+  /// Of its file.
+  static const char* name(Picture picture);
   [[nodiscard]] Status write_picture(Picture picture, std::span<const std::byte> png);
 
   /// The manifest, under a temporary name until finish().

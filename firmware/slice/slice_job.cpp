@@ -40,9 +40,11 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
     job.masks_ = std::move(*masks);
   }
   if (settings.preview) {
-    auto pictures = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
-    PLUMBLINE_TRY(pictures);
-    job.pictures_ = std::move(*pictures);
+    for (auto& encoder : std::span(job.pictures_).first(settings.archive ? 1 : kPages)) {
+      auto made = PictureEncoder::create(kPageMemory);
+      PLUMBLINE_TRY(made);
+      encoder = std::move(*made);
+    }
   }
   job.settings_.slice.confidence = true;
   start_threads(settings.slice.threads);
@@ -91,11 +93,7 @@ Status SliceJob::work(JobProgress& progress) {
   find_warnings(report_);
   report_.hash = job_hash(*hashes);
   if (archive_) PLUMBLINE_TRY(write_archive_end(*rrep, *supports));
-  if (directory_ && pictures_) {
-    PLUMBLINE_TRY(write_preview(*rrep, *supports));
-    if (report_.coverage) PLUMBLINE_TRY(write_coverage(*rrep));
-    PLUMBLINE_TRY(write_issue_picture(*rrep, *supports));
-  }
+  if (directory_ && settings_.preview) PLUMBLINE_TRY(write_pages(*rrep, *supports));
   report_.seconds = progress.seconds();
   report_.total_seconds = progress.total_seconds();
   return directory_ ? write_manifest_file(*hashes) : Status();
@@ -148,7 +146,7 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
 
 /// Thumbnails and settings: what follows the masks in an archive.
 Status SliceJob::write_archive_end(const RRep& rrep, const Supports& supports) {
-  if (pictures_) {
+  if (settings_.preview) {
     for (const ThumbnailSize size : kThumbnailSizes) {
       const ArenaScope scope(*arena_);
       const auto rgb = draw_thumbnail(rrep, supports, size.columns, size.rows, *arena_);
@@ -157,9 +155,7 @@ Status SliceJob::write_archive_end(const RRep& rrep, const Supports& supports) {
         report_.warnings.add().add("no thumbnails: %s", rgb.error().message());
         break;
       }
-      const auto png = pictures_->encode(*rgb, size.columns, size.rows);
-      PLUMBLINE_TRY(png);
-      PLUMBLINE_TRY(archive_->write_thumbnail(size, *png));
+      PLUMBLINE_TRY(archive_->write_thumbnail(size, pictures_[0]->encode(*rgb, size.columns, size.rows)));
     }
   }
   const ArchiveSettings& archive = *settings_.archive;
@@ -167,8 +163,7 @@ Status SliceJob::write_archive_end(const RRep& rrep, const Supports& supports) {
                            archive.seconds ? archive.seconds(rrep.grid) : 0});
 }
 
-Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
-  const auto start = std::chrono::steady_clock::now();
+Status SliceJob::draw_preview_page(const RRep& rrep, const Supports& supports, std::span<std::uint8_t> rgb) {
   const SliceReport& s = report_.slice;
   const auto size = size_text(s.placement);
   FixedText<64> resin;
@@ -178,48 +173,53 @@ Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
            static_cast<double>(rrep.grid.pitch_x_mm), static_cast<double>(rrep.grid.pitch_y_mm),
            report_.printer_name.empty() ? "" : ", printer ", report_.printer_name.c_str());
   const std::array<std::string_view, 2> captions = {resin.view(), grid.view()};
+  return draw_preview(rrep, supports, {report_.scan_name, size.view(), captions}, *arena_, rgb);
+}
+
+/// Draws the pages one after another, with all threads, and compresses them side by side, each with one.
+Status SliceJob::write_pages(const RRep& rrep, const Supports& supports) {
+  const auto start = std::chrono::steady_clock::now();
   arena_->reset_peak();
-  const auto png = encode_preview(rrep, supports, {report_.scan_name, size.view(), captions}, *arena_, *pictures_);
+  const ArenaScope scope(*arena_);
+  struct Page {
+    Picture picture;
+    std::span<std::uint8_t> memory;
+    std::span<const std::byte> file;
+  };
+  std::array<Page, kPages> pages;
+  std::size_t count = 0;
+  const auto add = [&](Picture picture, auto draw) {
+    const auto memory = arena_->take_top<std::uint8_t>(kPageMemory, "preview");
+    const Status drawn = memory ? draw(memory->first(kPageBytes)) : tl::unexpected<Error>(memory.error());
+    if (drawn) {
+      pages[count++] = {picture, *memory, {}};
+    } else {
+      // The layers are complete without the picture.
+      report_.warnings.add().add("no %s: %s", JobDirectory::name(picture), drawn.error().message());
+    }
+    return drawn.has_value();
+  };
+  report_.has_preview =
+      add(Picture::kPreview, [&](std::span<std::uint8_t> rgb) { return draw_preview_page(rrep, supports, rgb); });
+  if (report_.coverage) {
+    report_.has_coverage = add(Picture::kCoverage, [&](std::span<std::uint8_t> rgb) {
+      return draw_coverage(rrep, report_.slice.confidence, report_.scan_name, *arena_, rgb);
+    });
+  }
+  if (ShownIssues(*report_.findings).count > 0) {
+    report_.has_issue_picture = add(Picture::kIssues, [&](std::span<std::uint8_t> rgb) {
+      return draw_issues(*report_.findings, rrep, supports, report_.scan_name, *arena_, rgb);
+    });
+  }
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t i = 0; i < count; ++i) {
+    pages[i].file = pictures_[i]->encode(pages[i].memory, kPreviewColumns, kPreviewRows);
+  }
+  for (const Page& page : std::span(pages).first(count)) {
+    PLUMBLINE_TRY(directory_->write_picture(page.picture, page.file));
+  }
   report_.preview_peak_bytes = arena_->peak();
-  if (!png) {
-    // The layers are complete without the picture.
-    report_.warnings.add().add("no preview.png: %s", png.error().message());
-    return {};
-  }
-  PLUMBLINE_TRY(directory_->write_picture(Picture::kPreview, *png));
-  report_.has_preview = true;
   report_.preview_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return {};
-}
-
-Status SliceJob::write_coverage(const RRep& rrep) {
-  const auto start = std::chrono::steady_clock::now();
-  arena_->reset_peak();
-  const auto png = encode_coverage(rrep, report_.slice.confidence, {report_.scan_name, {}, {}}, *arena_, *pictures_);
-  report_.preview_peak_bytes = std::max(report_.preview_peak_bytes, arena_->peak());
-  if (!png) {
-    report_.warnings.add().add("no coverage.png: %s", png.error().message());
-    return {};
-  }
-  PLUMBLINE_TRY(directory_->write_picture(Picture::kCoverage, *png));
-  report_.has_coverage = true;
-  report_.preview_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return {};
-}
-
-Status SliceJob::write_issue_picture(const RRep& rrep, const Supports& supports) {
-  const auto start = std::chrono::steady_clock::now();
-  arena_->reset_peak();
-  const auto png = encode_issues(*report_.findings, rrep, supports, report_.scan_name, *arena_, *pictures_);
-  report_.preview_peak_bytes = std::max(report_.preview_peak_bytes, arena_->peak());
-  if (!png) {
-    report_.warnings.add().add("no issues.png: %s", png.error().message());
-    return {};
-  }
-  if (png->empty()) return {};
-  PLUMBLINE_TRY(directory_->write_picture(Picture::kIssues, *png));
-  report_.has_issue_picture = true;
-  report_.preview_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return {};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// `plumbline slice` without its command line: a scan file becomes a folder of layers, or an .sl1 archive.
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -37,8 +38,7 @@ struct SliceJobSettings {
   bool preview = true;
 };
 
-/// One job. prepare() takes all the heap memory that the job needs; during run() only lodepng takes any, and frees it after each
-/// picture. (One exception: without a printer the size of the masks is unknown until the scan has been read, so their encoder is
+/// One job. prepare() takes all the heap memory that the job needs. (One exception: without a printer the size of the masks is unknown until the scan has been read, so their encoder is
 /// made when they are admitted, before the first one.)
 class SliceJob {
  public:
@@ -56,6 +56,8 @@ class SliceJob {
   const JobReport& report() const { return report_; }
 
  private:
+  static constexpr std::size_t kPages = 3;  ///< preview, coverage, issues
+
   SliceJob(const SliceJobSettings& settings, Arena& arena, ScanFiles scan)
       : settings_(settings), arena_(&arena), scan_(std::move(scan)) {}
 
@@ -65,9 +67,8 @@ class SliceJob {
   [[nodiscard]] Status write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
                                     JobProgress& progress);
   [[nodiscard]] Status write_archive_end(const RRep& rrep, const Supports& supports);
-  [[nodiscard]] Status write_preview(const RRep& rrep, const Supports& supports);
-  [[nodiscard]] Status write_coverage(const RRep& rrep);
-  [[nodiscard]] Status write_issue_picture(const RRep& rrep, const Supports& supports);
+  [[nodiscard]] Status draw_preview_page(const RRep& rrep, const Supports& supports, std::span<std::uint8_t> rgb);
+  [[nodiscard]] Status write_pages(const RRep& rrep, const Supports& supports);
   [[nodiscard]] Status write_manifest_file(std::span<const std::uint64_t> hashes);
 
   SliceJobSettings settings_;
@@ -76,7 +77,7 @@ class SliceJob {
   std::optional<JobDirectory> directory_;  ///< one of these
   std::optional<JobArchive> archive_;
   std::optional<PngEncoder> masks_;
-  std::optional<PngEncoder> pictures_;
+  std::array<std::optional<PictureEncoder>, kPages> pictures_;  ///< an archive needs one
   JobReport report_;
 };
 

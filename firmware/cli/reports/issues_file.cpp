@@ -6,29 +6,29 @@
 namespace plumbline {
 namespace {
 
-/// @param encode  takes an encoder and returns a file of no or some bytes
-template <class Encode>
-Status write(const std::string& path, Encode encode) {
-  if (path.empty()) return {};
-  auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
+/// @param draw  called with the pixels of a page
+template <class Draw>
+Status write(const std::string& path, const StackFindings& findings, Arena& arena, Draw draw) {
+  if (path.empty() || ShownIssues(findings).count == 0) return {};
+  auto encoder = PictureEncoder::create(kPageMemory);
   PLUMBLINE_TRY(encoder);
-  const auto png = encode(*encoder);
+  const auto png = encode_page(arena, *encoder, draw);
   PLUMBLINE_TRY(png);
-  return png->empty() ? Status() : write_file(path.c_str(), *png);
+  return write_file(path.c_str(), *png);
 }
 
 }  // namespace
 
 Status write_issues_file(const std::string& path, const CheckedMasks& masks, MaskOf mask, Arena& arena) {
-  return write(path, [&](PngEncoder& encoder) {
-    return encode_issues(masks.findings, masks.grid, masks.name, mask, arena, encoder);
+  return write(path, masks.findings, arena, [&](std::span<std::uint8_t> rgb) {
+    return draw_issues(masks.findings, masks.grid, masks.name, mask, arena, rgb);
   });
 }
 
 Status write_issues_file(const std::string& path, const CheckedMasks& masks, const RRep& rrep, const Supports& supports,
                          Arena& arena) {
-  return write(path, [&](PngEncoder& encoder) {
-    return encode_issues(masks.findings, rrep, supports, masks.name, arena, encoder);
+  return write(path, masks.findings, arena, [&](std::span<std::uint8_t> rgb) {
+    return draw_issues(masks.findings, rrep, supports, masks.name, arena, rgb);
   });
 }
 

@@ -39,23 +39,25 @@ struct PartRRep {
   }
 };
 
-constexpr std::size_t kPreviewBytes = std::size_t{3} * kPreviewColumns * kPreviewRows;
-
 /// Writes the picture of the issues that the masks had, if there are any and the arena has room for it.
 Status write_issue_picture(JobDirectory& directory, const PrintSession& session, const RRep& sliced,
-                           std::string_view name, Arena& arena, PngEncoder& encoder) {
-  if (!session.findings()) return {};
-  const auto png = encode_issues(*session.findings(), sliced, session.supports(), name, arena, encoder);
-  return png && !png->empty() ? directory.write_picture(Picture::kIssues, *png) : Status();
+                           std::string_view name, Arena& arena, PictureEncoder& encoder) {
+  const auto& findings = session.findings();
+  if (!findings || ShownIssues(*findings).count == 0) return {};
+  const auto png = encode_page(arena, encoder, [&](std::span<std::uint8_t> rgb) {
+    return draw_issues(*findings, sliced, session.supports(), name, arena, rgb);
+  });
+  return png ? directory.write_picture(Picture::kIssues, *png) : Status();
 }
 
 /// Writes the preview of the cured part, and a comparison that shows what was to be printed to its left.
 Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep& part, const JobReport& job,
                       Arena& arena) {
-  auto encoder = PngEncoder::for_pictures(2 * kPreviewColumns, kPreviewRows);
+  constexpr std::size_t kBothMemory = picture_memory(2 * kPreviewColumns, kPreviewRows);
+  auto encoder = PictureEncoder::create(kBothMemory);
   PLUMBLINE_TRY(encoder);
-  std::vector<std::uint8_t> sliced(kPreviewBytes);
-  std::vector<std::uint8_t> printed(kPreviewBytes);
+  std::vector<std::uint8_t> sliced(kPageBytes);
+  std::vector<std::uint8_t> printed(kPageMemory);
   FixedText<128> caption;
   caption.add("printed: %u of %u layers, %.1f ml", part.grid.layers, session.grid().layers,
               static_cast<double>(job.cured_pixels) * session.pixel_ml());
@@ -78,23 +80,21 @@ Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep
   PLUMBLINE_TRY(
       draw_preview(rrep, session.supports(), {job.scan_name, size.view(), sliced_captions}, arena, std::span(sliced)));
   // The layers already include the cured supports.
-  PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, {}, printed_captions}, arena, std::span(printed)));
-  const auto preview = encoder->encode(printed, kPreviewColumns, kPreviewRows);
-  PLUMBLINE_TRY(preview);
-  PLUMBLINE_TRY(directory.write_picture(Picture::kPreview, *preview));
-  PLUMBLINE_TRY(write_issue_picture(directory, session, rrep, job.scan_name, arena, *encoder));
-
+  PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, {}, printed_captions}, arena,
+                             std::span(printed).first(kPageBytes)));
   std::vector<std::uint8_t> both;
-  both.reserve(2 * kPreviewBytes);
+  both.reserve(kBothMemory);
   constexpr auto kRow = static_cast<std::ptrdiff_t>(3 * kPreviewColumns);
   for (std::ptrdiff_t row = 0; row < std::ptrdiff_t{kPreviewRows}; ++row) {
     for (const auto* picture : {&sliced, &printed}) {
       both.insert(both.end(), picture->begin() + row * kRow, picture->begin() + (row + 1) * kRow);
     }
   }
-  const auto comparison = encoder->encode(both, 2 * kPreviewColumns, kPreviewRows);
-  PLUMBLINE_TRY(comparison);
-  return directory.write_picture(Picture::kComparison, *comparison);
+  both.resize(kBothMemory);
+  PLUMBLINE_TRY(directory.write_picture(Picture::kPreview, encoder->encode(printed, kPreviewColumns, kPreviewRows)));
+  PLUMBLINE_TRY(
+      directory.write_picture(Picture::kComparison, encoder->encode(both, 2 * kPreviewColumns, kPreviewRows)));
+  return write_issue_picture(directory, session, rrep, job.scan_name, arena, *encoder);
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ std::size_t preview_bytes(const PrintGrid& grid) { return views_bytes(grid, kPre
 
 Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewText& text, Arena& arena,
                     std::span<std::uint8_t> rgb) {
-  assert(rgb.size() == std::size_t{3} * kPreviewColumns * kPreviewRows);
+  assert(rgb.size() == kPageBytes);
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
   const auto layout = draw_views(rrep, supports, kPreviewPage, Views::kThreeSides, arena, picture);
   PLUMBLINE_TRY(layout);
@@ -68,15 +68,6 @@ Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewTex
     line += 28;
   }
   return {};
-}
-
-Expected<std::span<const std::byte>> encode_preview(const RRep& rrep, const Supports& supports, const PreviewText& text,
-                                                    Arena& arena, PngEncoder& encoder) {
-  const ArenaScope scope(arena);
-  const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, "preview");
-  PLUMBLINE_TRY(rgb);
-  PLUMBLINE_TRY(draw_preview(rrep, supports, text, arena, *rgb));
-  return encoder.encode(*rgb, kPreviewColumns, kPreviewRows);
 }
 
 }  // namespace plumbline

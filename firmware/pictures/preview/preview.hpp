@@ -16,6 +16,9 @@ namespace plumbline {
 
 inline constexpr std::uint32_t kPreviewColumns = 1600;  ///< pixels
 inline constexpr std::uint32_t kPreviewRows = 900;      ///< pixels
+/// Of the pixels, and with the room in which they are encoded.
+inline constexpr std::size_t kPageBytes = std::size_t{3} * kPreviewColumns * kPreviewRows,
+                             kPageMemory = picture_memory(kPreviewColumns, kPreviewRows);
 
 /// Text on the picture. ASCII; other bytes show as a box. Lines that are too long are cut.
 struct PreviewText {
@@ -33,17 +36,24 @@ std::size_t preview_bytes(const PrintGrid& grid);
 /// @param rrep      at least one layer; without crossings only the text is drawn
 /// @param supports  drawn in another colour
 /// @param arena     preview_bytes() are taken from its top and released
-/// @param rgb       3 * kPreviewColumns * kPreviewRows bytes of the caller, row after row from the top; overwritten
+/// @param rgb       kPageBytes of the caller, row after row from the top; overwritten
 /// @retval ErrorCode::kOutOfMemory  the arena has less than preview_bytes() left
 [[nodiscard]] Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewText& text, Arena& arena,
                                   std::span<std::uint8_t> rgb);
 
-/// draw_preview() as a PNG file. Takes 3 * kPreviewColumns * kPreviewRows bytes more from the arena.
-/// @param encoder  made for pictures of at least kPreviewColumns x kPreviewRows
+/// A page as a PNG file.
+/// @param arena    kPageMemory is taken from its top and released
+/// @param encoder  made for kPageMemory
+/// @param draw     called with the page's kPageBytes
 /// @returns the file, in the encoder's memory, valid until its next use
-/// @retval ErrorCode::kOutOfMemory  the arena or lodepng found no room
-[[nodiscard]] Expected<std::span<const std::byte>> encode_preview(const RRep& rrep, const Supports& supports,
-                                                                  const PreviewText& text, Arena& arena,
-                                                                  PngEncoder& encoder);
+/// @retval ErrorCode::kOutOfMemory  the arena has no room, and any error of `draw`
+template <class Draw>
+[[nodiscard]] Expected<std::span<const std::byte>> encode_page(Arena& arena, PictureEncoder& encoder, Draw draw) {
+  const ArenaScope scope(arena);
+  const auto memory = arena.take_top<std::uint8_t>(kPageMemory, "page");
+  PLUMBLINE_TRY(memory);
+  PLUMBLINE_TRY(draw(memory->first(kPageBytes)));
+  return encoder.encode(*memory, kPreviewColumns, kPreviewRows);
+}
 
 }  // namespace plumbline

@@ -1,7 +1,9 @@
 #pragma once
 /// Shades a depth map.
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -23,6 +25,13 @@ struct DepthMap {
     const std::size_t sample = std::size_t{row} * columns + column;
     depth[sample] = depth_in_samples;
     material[sample] = second_material ? 1 : 0;
+  }
+  void copy_line(std::uint32_t from, std::uint32_t to) const {
+    const std::size_t source = std::size_t{from} * columns, target = std::size_t{to} * columns;
+    std::copy_n(depth.begin() + static_cast<std::ptrdiff_t>(source), columns,
+                depth.begin() + static_cast<std::ptrdiff_t>(target));
+    std::copy_n(material.begin() + static_cast<std::ptrdiff_t>(source), columns,
+                material.begin() + static_cast<std::ptrdiff_t>(target));
   }
 };
 

@@ -1,6 +1,7 @@
 #include "firmware/pictures/preview/preview_survey.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "firmware/pictures/preview/preview_section.hpp"
@@ -26,36 +27,40 @@ class Surveyor {
         shift_(static_cast<std::uint32_t>(std::countr_zero(height_step(rrep.grid)))),
         cells_((rrep.grid.columns + height_step(rrep.grid) - 1) / height_step(rrep.grid)) {}
 
-  void survey(const DepthMap& front, const DepthMap& side, const DepthMap& top) {
-    const std::uint32_t step = height_step(rrep_.grid);
-    std::fill(scratch_.heights.begin(), scratch_.heights.end(), std::uint16_t{0});
-    // A surface that ends in layer k ends at the underside of k, k layer heights up. 0: nothing has ended here.
-    const auto keep_height = [&](std::uint32_t layer) {
-      return [&, layer](std::uint32_t column, std::uint32_t row, bool inside) {
-        if (inside || ((column | row) & (step - 1)) != 0) return;
-        scratch_.heights[std::size_t{row >> shift_} * cells_ + (column >> shift_)] = static_cast<std::uint16_t>(layer);
-      };
-    };
+  /// The view along +y or along +x. The lines of a layer are alike.
+  void draw_wall(const DepthMap& map, bool along_rows) const {
+    std::array<std::uint32_t, kMostSamples> places;  // of the grid, by sample of a line
+    for (std::uint32_t u = 0; u < map.columns; ++u) places[u] = along_rows ? column_of(u) : row_of(u, map.columns);
     Section section(rrep_, scratch_.section);
-    std::int64_t line = std::int64_t{front.rows} - 1;  // of the front and the side view, from the underside up
-    for (std::uint32_t layer = 0; layer < extent_.layer_end; ++layer) {
-      section.advance(layer, keep_height(layer));
-      if (layer < extent_.layer || line < 0 || layer_of(line, front.rows) > layer) continue;
-      see_along_rows(section.image());
-      see_supports(layer, true);
-      const std::int64_t first = line;
-      for (; line >= 0 && layer_of(line, front.rows) <= layer; --line) {
-        draw_front(front, static_cast<std::uint32_t>(line));
-      }
-      see_along_columns(section.image());
-      see_supports(layer, false);
-      for (std::int64_t again = first; again > line; --again) {
-        draw_side(side, static_cast<std::uint32_t>(again));
+    std::int64_t line = std::int64_t{map.rows} - 1;  // from the underside up
+    for (std::uint32_t layer = 0; layer < extent_.layer_end && line >= 0; ++layer) {
+      section.advance(layer, [](std::uint32_t, std::uint32_t, bool) {});
+      if (layer < extent_.layer || layer_of(line, map.rows) > layer) continue;
+      along_rows ? see_along_rows(section.image()) : see_along_columns(section.image());
+      see_supports(layer, along_rows);
+      const auto first = static_cast<std::uint32_t>(line);
+      draw_line(map, first, std::span(places).first(map.columns), along_rows);
+      for (--line; line >= 0 && layer_of(line, map.rows) <= layer; --line) {
+        map.copy_line(first, static_cast<std::uint32_t>(line));
       }
     }
-    if (extent_.layer_end < rrep_.grid.layers) section.advance(extent_.layer_end, keep_height(extent_.layer_end));
+  }
+
+  /// The view along -z.
+  void draw_top(const DepthMap& map) const {
+    const std::uint32_t step = height_step(rrep_.grid);
+    std::fill(scratch_.heights.begin(), scratch_.heights.end(), std::uint16_t{0});
+    Section section(rrep_, scratch_.section);
+    // Up to the layer in which the highest surface ends.
+    for (std::uint32_t layer = 0; layer < std::min(extent_.layer_end + 1, rrep_.grid.layers); ++layer) {
+      // A surface that ends in layer k ends at the underside of k, k layer heights up. 0: nothing has ended here.
+      section.advance(layer, [&](std::uint32_t column, std::uint32_t row, bool inside) {
+        if (inside || ((column | row) & (step - 1)) != 0) return;
+        scratch_.heights[std::size_t{row >> shift_} * cells_ + (column >> shift_)] = static_cast<std::uint16_t>(layer);
+      });
+    }
     see_supports_from_above();
-    draw_top(top, section.image());
+    show_top(map, section.image());
   }
 
  private:
@@ -112,7 +117,9 @@ class Surveyor {
   void see_supports(std::uint32_t layer, bool along_rows) const {
     const auto nearest = scratch_.nearest;
     const auto materials = scratch_.materials;
-    std::fill(materials.begin(), materials.end(), to_byte(Material::kObject));
+    const std::uint32_t first = along_rows ? extent_.column : extent_.row;
+    std::fill_n(materials.begin() + first, (along_rows ? extent_.column_end : extent_.row_end) - first,
+                to_byte(Material::kObject));
     const auto see = [&](std::uint32_t place, std::uint32_t distance) {
       if (nearest[place] != kNone && nearest[place] <= distance) return;
       nearest[place] = distance;
@@ -158,29 +165,23 @@ class Surveyor {
   float depth_of(std::uint32_t cells, double size_mm) const {
     return static_cast<float>(cells * size_mm * layout_.samples_per_mm());
   }
-  void draw_front(const DepthMap& map, std::uint32_t line) const {
+  void draw_line(const DepthMap& map, std::uint32_t line, std::span<const std::uint32_t> places,
+                 bool along_rows) const {
+    const std::uint32_t first = along_rows ? extent_.row : extent_.column;
+    const auto deep_mm = double{along_rows ? rrep_.grid.pitch_y_mm : rrep_.grid.pitch_x_mm};
     for (std::uint32_t u = 0; u < map.columns; ++u) {
-      const std::uint32_t column = column_of(u);
-      const std::uint32_t row = scratch_.nearest[column];
-      if (row == kNone) continue;
-      map.show(u, line, depth_of(row - extent_.row, double{rrep_.grid.pitch_y_mm}),
-               is_support(scratch_.materials[column]));
+      const std::uint32_t nearest = scratch_.nearest[places[u]];
+      if (nearest == kNone) continue;
+      map.show(u, line, depth_of(nearest - first, deep_mm), is_support(scratch_.materials[places[u]]));
     }
   }
-  void draw_side(const DepthMap& map, std::uint32_t line) const {
-    for (std::uint32_t u = 0; u < map.columns; ++u) {
-      const std::uint32_t row = row_of(u, map.columns);
-      const std::uint32_t column = scratch_.nearest[row];
-      if (column == kNone) continue;
-      map.show(u, line, depth_of(column - extent_.column, double{rrep_.grid.pitch_x_mm}),
-               is_support(scratch_.materials[row]));
-    }
-  }
-  void draw_top(const DepthMap& map, const BitImage& last) const {
+  void show_top(const DepthMap& map, const BitImage& last) const {
+    std::array<std::uint32_t, kMostSamples> columns;
+    for (std::uint32_t u = 0; u < map.columns; ++u) columns[u] = column_of(u) >> shift_;
     for (std::uint32_t v = 0; v < map.rows; ++v) {
       const std::uint32_t row = row_of(v, map.rows) >> shift_;
       for (std::uint32_t u = 0; u < map.columns; ++u) {
-        const std::uint32_t column = column_of(u) >> shift_;
+        const std::uint32_t column = columns[u];
         const std::size_t cell = std::size_t{row} * cells_ + column;
         std::uint32_t height = scratch_.heights[cell];
         bool support = is_support(scratch_.materials[cell]);
@@ -216,8 +217,10 @@ std::size_t height_cells(const PrintGrid& grid) {
 }
 
 void survey(const RRep& rrep, const Supports& supports, const Extent& extent, const Layout& layout,
-            const SurveyScratch& scratch, const DepthMap& front, const DepthMap& side, const DepthMap& top) {
-  Surveyor(rrep, supports, extent, layout, scratch).survey(front, side, top);
+            const SurveyScratch& scratch, Side side, const DepthMap& map) {
+  std::fill(map.depth.begin(), map.depth.end(), DepthMap::kEmpty);
+  const Surveyor surveyor(rrep, supports, extent, layout, scratch);
+  side == Side::kTop ? surveyor.draw_top(map) : surveyor.draw_wall(map, side == Side::kFront);
 }
 
 }  // namespace plumbline::preview

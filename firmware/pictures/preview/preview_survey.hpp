@@ -28,8 +28,10 @@ struct SurveyScratch {
   std::span<std::uint8_t> materials;  ///< the larger of height_cells() and the longer side
 };
 
-/// Fills the three depth maps in one sweep over the layers.
+enum class Side : std::uint8_t { kFront, kSide, kTop };
+
+/// Fills the depth map of one view in a sweep over the layers.
 void survey(const RRep& rrep, const Supports& supports, const Extent& extent, const Layout& layout,
-            const SurveyScratch& scratch, const DepthMap& front, const DepthMap& side, const DepthMap& top);
+            const SurveyScratch& scratch, Side side, const DepthMap& map);
 
 }  // namespace plumbline::preview

@@ -28,10 +28,12 @@ std::size_t material_bytes(const PrintGrid& grid) {
   return std::max<std::size_t>(height_cells(grid), std::max(grid.columns, grid.rows));
 }
 
-/// Samples of all maps of a page together, at most.
+/// Samples of the largest map of a page.
 std::size_t samples_of(const Page& page, Views views) {
-  return std::size_t{page.area_columns(static_cast<std::uint32_t>(views))} * page.area_rows() * kSamplesPerPixel *
-         kSamplesPerPixel;
+  const std::uint32_t across = page.area_columns(static_cast<std::uint32_t>(views)), up = page.area_rows();
+  // Of three sides each has half of the width at most, but for the one from the side, which is as deep as that from above is high.
+  const std::uint32_t columns = views == Views::kThreeSides ? std::max(across / 2, std::min(across, up)) : across;
+  return std::size_t{columns} * up * kSamplesPerPixel * kSamplesPerPixel;
 }
 
 }  // namespace
@@ -72,38 +74,27 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
   if (object.empty()) return std::optional<Layout>();
   const Extent extent = with_supports(object, supports, grid);
   const Layout layout = lay_out(extent, grid, page, views);
-  std::span<float> rest = *depths;
-  std::span<std::uint8_t> shown = *samples;
-  const auto take_map = [&](std::uint32_t width, std::uint32_t height) {
-    const std::uint32_t columns = width * kSamplesPerPixel, rows = height * kSamplesPerPixel;
-    const std::size_t size = std::size_t{columns} * rows;
-    const DepthMap map{rest.first(size), shown.first(size), columns, rows};
-    rest = rest.subspan(size);
-    shown = shown.subspan(size);
-    std::fill(map.depth.begin(), map.depth.end(), DepthMap::kEmpty);
-    return map;
-  };
-  const std::uint32_t top_width = views == Views::kThreeSides ? layout.width : 0;
-  const DepthMap front = take_map(layout.width, layout.height), side = take_map(layout.depth, layout.height),
-                 top = take_map(top_width, layout.depth);
-  survey(rrep, supports, extent, layout, {*words, *nearest, *found, *heights, *materials}, front, side, top);
-
-  const auto smooth = [&](const DepthMap& map, float across_mm, float up_mm, float deep_mm) {
-    const auto in_samples = [&](float mm) { return mm * static_cast<float>(layout.samples_per_mm()); };
-    smooth_depth(map, *scratch, {.across = in_samples(std::max(across_mm, up_mm)), .deep = in_samples(deep_mm)});
-  };
-  smooth(front, grid.pitch_x_mm, grid.layer_height_mm, grid.pitch_y_mm);
-  smooth(side, grid.pitch_y_mm, grid.layer_height_mm, grid.pitch_x_mm);
-  smooth(top, grid.pitch_x_mm, grid.pitch_y_mm, grid.layer_height_mm);
-
-  const std::int64_t upper = layout.floor - layout.height;
-  const std::int64_t top_upper = layout.floor - (std::int64_t{layout.tall} + layout.depth) / 2;
   const std::int64_t fade = page.gap * 4 / 9;
   draw_floor(picture, layout.front_left, layout.width, layout.floor, fade);
-  if (side.columns > 0) draw_floor(picture, layout.side_left, layout.depth, layout.floor, fade);
-  shade_depth(front, *scratch, picture, layout.front_left, upper, kMaterials);
-  shade_depth(side, *scratch, picture, layout.side_left, upper, kMaterials);
-  shade_depth(top, *scratch, picture, layout.top_left, top_upper, kMaterials);
+  if (views == Views::kThreeSides) draw_floor(picture, layout.side_left, layout.depth, layout.floor, fade);
+  const auto in_samples = [&](float mm) { return mm * static_cast<float>(layout.samples_per_mm()); };
+  // One after another: all at once would need more memory than most stages of a small job.
+  const auto draw = [&](Side side, std::uint32_t width, std::uint32_t height, std::int64_t left, float across_mm,
+                        float up_mm, float deep_mm) {
+    const std::uint32_t columns = width * kSamplesPerPixel, rows = height * kSamplesPerPixel;
+    const std::size_t size = std::size_t{columns} * rows;
+    const DepthMap map{depths->first(size), samples->first(size), columns, rows};
+    survey(rrep, supports, extent, layout, {*words, *nearest, *found, *heights, *materials}, side, map);
+    smooth_depth(map, *scratch, {.across = in_samples(std::max(across_mm, up_mm)), .deep = in_samples(deep_mm)});
+    const std::int64_t below = side == Side::kTop ? (std::int64_t{layout.tall} + height) / 2 : height;
+    shade_depth(map, *scratch, picture, left, layout.floor - below, kMaterials);
+  };
+  const float x = grid.pitch_x_mm, y = grid.pitch_y_mm, z = grid.layer_height_mm;
+  draw(Side::kFront, layout.width, layout.height, layout.front_left, x, z, y);
+  if (views == Views::kThreeSides) {
+    draw(Side::kSide, layout.depth, layout.height, layout.side_left, y, z, x);
+    draw(Side::kTop, layout.width, layout.depth, layout.top_left, x, y, z);
+  }
   return std::optional<Layout>(layout);
 }
 

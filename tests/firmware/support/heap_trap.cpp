@@ -2,7 +2,6 @@
 
 #include <dlfcn.h>
 #include <execinfo.h>
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,7 +17,6 @@ void* real_malloc(std::size_t size) asm("__libc_malloc");
 void* real_calloc(std::size_t count, std::size_t size) asm("__libc_calloc");
 void* real_realloc(void* block, std::size_t size) asm("__libc_realloc");
 void* real_memalign(std::size_t align, std::size_t size) asm("__libc_memalign");
-void real_free(void* block) asm("__libc_free");
 }
 
 namespace {
@@ -28,20 +26,10 @@ constexpr int kFrames = 24;
 constexpr int kMostStacks = 4;
 std::atomic<bool> armed{false};
 std::atomic<int> trapped{0};
-std::atomic<int> from_lodepng{0};
 std::atomic<int> from_simulator{0};
 void* stacks[kMostStacks][kFrames];
 int stack_sizes[kMostStacks];
 thread_local bool in_trap = false;
-
-/// Blocks of lodepng that have not been freed yet.
-constexpr std::size_t kMostBlocks = 256;
-void* lodepng_blocks[kMostBlocks];
-std::size_t lodepng_live = 0;
-std::size_t lodepng_peak = 0;
-bool lodepng_overflow = false;
-
-enum class Taker { kNobodyWhoMay, kLodepng, kSimulator };
 
 /// "_ZN9plumbline9SimUvLamp8do_beginE...": a member of plumbline::SimUvLamp, const or not.
 bool is_simulator(const char* symbol) {
@@ -55,35 +43,11 @@ bool is_simulator(const char* symbol) {
   return false;
 }
 
-Taker taker(void* const* stack, int frames) {
-  for (int i = 0; i < frames; ++i) {
+bool is_of_simulator(void* const* stack, int frames) {
+  return std::any_of(stack, stack + frames, [](void* frame) {
     Dl_info info = {};
-    if (dladdr(stack[i], &info) == 0) continue;
-    if (info.dli_fname != nullptr && std::strstr(info.dli_fname, "liblodepng") != nullptr) return Taker::kLodepng;
-    if (info.dli_sname != nullptr && is_simulator(info.dli_sname)) return Taker::kSimulator;
-  }
-  return Taker::kNobodyWhoMay;
-}
-
-void record_lodepng(void* block) {
-  ++from_lodepng;
-  for (void*& slot : lodepng_blocks) {
-    if (slot != nullptr) continue;
-    slot = block;
-    lodepng_live += malloc_usable_size(block);
-    lodepng_peak = std::max(lodepng_peak, lodepng_live);
-    return;
-  }
-  lodepng_overflow = true;
-}
-
-void forget_lodepng(void* block) {
-  for (void*& slot : lodepng_blocks) {
-    if (slot != block) continue;
-    slot = nullptr;
-    lodepng_live -= malloc_usable_size(block);
-    return;
-  }
+    return dladdr(frame, &info) != 0 && info.dli_sname != nullptr && is_simulator(info.dli_sname);
+  });
 }
 
 void* seen(void* block) {
@@ -91,23 +55,14 @@ void* seen(void* block) {
   in_trap = true;
   void* stack[kFrames];
   const int frames = backtrace(stack, kFrames);
-  switch (taker(stack, frames)) {
-    case Taker::kLodepng: record_lodepng(block); break;
-    case Taker::kSimulator: ++from_simulator; break;
-    case Taker::kNobodyWhoMay: {
-      const int n = trapped.fetch_add(1);
-      if (n >= kMostStacks) break;
-      std::copy_n(stack, frames, stacks[n]);
-      stack_sizes[n] = frames;
-      break;
-    }
+  if (is_of_simulator(stack, frames)) {
+    ++from_simulator;
+  } else if (const int n = trapped.fetch_add(1); n < kMostStacks) {
+    std::copy_n(stack, frames, stacks[n]);
+    stack_sizes[n] = frames;
   }
   in_trap = false;
   return block;
-}
-
-void leaves(void* block) {
-  if (block != nullptr && armed.load(std::memory_order_relaxed)) forget_lodepng(block);
 }
 
 }  // namespace
@@ -117,21 +72,13 @@ extern "C" {
 void* trapped_malloc(std::size_t size) asm("malloc");
 void* trapped_calloc(std::size_t count, std::size_t size) asm("calloc");
 void* trapped_realloc(void* block, std::size_t size) asm("realloc");
-void trapped_free(void* block) asm("free");
 void* trapped_memalign(std::size_t align, std::size_t size) asm("memalign");
 void* trapped_aligned_alloc(std::size_t align, std::size_t size) asm("aligned_alloc");
 int trapped_posix_memalign(void** block, std::size_t align, std::size_t size) asm("posix_memalign");
 
 void* trapped_malloc(std::size_t size) { return seen(real_malloc(size)); }
 void* trapped_calloc(std::size_t count, std::size_t size) { return seen(real_calloc(count, size)); }
-void* trapped_realloc(void* block, std::size_t size) {
-  leaves(block);
-  return seen(real_realloc(block, size));
-}
-void trapped_free(void* block) {
-  leaves(block);
-  real_free(block);
-}
+void* trapped_realloc(void* block, std::size_t size) { return seen(real_realloc(block, size)); }
 void* trapped_memalign(std::size_t align, std::size_t size) { return seen(real_memalign(align, size)); }
 void* trapped_aligned_alloc(std::size_t align, std::size_t size) { return seen(real_memalign(align, size)); }
 int trapped_posix_memalign(void** block, std::size_t align, std::size_t size) {
@@ -146,16 +93,13 @@ HeapTrap::HeapTrap() {
   void* warm[kFrames];
   backtrace(warm, kFrames);  // its first call loads a library, which takes memory
   trapped = 0;
-  from_lodepng = 0;
   from_simulator = 0;
-  lodepng_live = 0;
-  lodepng_peak = 0;
   armed = true;
 }
 
 HeapUse HeapTrap::disarm() {
   armed = false;
-  return {trapped, from_lodepng, from_simulator, lodepng_live, lodepng_peak, lodepng_overflow};
+  return {trapped, from_simulator};
 }
 
 void HeapTrap::print_stacks() {

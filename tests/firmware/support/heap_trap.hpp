@@ -1,8 +1,8 @@
 #pragma once
 /// Counts every allocation while it is armed.
 ///
-/// The program's own malloc and relatives replace the C library's for everything linked into it. An allocation is lodepng's when
-/// code of lodepng's shared library is on the stack, and the simulated machine's when a member of a plumbline::Sim... class is.
+/// The program's own malloc and relatives replace the C library's for everything linked into it. An allocation is
+/// the simulated machine's when a member of a plumbline::Sim... class is on the stack.
 
 #include <cstddef>
 
@@ -10,12 +10,8 @@ namespace plumbline {
 
 /// Allocations since the trap was armed.
 struct HeapUse {
-  int trapped = 0;                ///< blocks that nothing may take
-  int lodepng = 0;                ///< blocks
-  int simulator = 0;              ///< blocks
-  std::size_t lodepng_live = 0;   ///< bytes not freed yet
-  std::size_t lodepng_peak = 0;   ///< bytes
-  bool lodepng_overflow = false;  ///< more blocks than the trap can track
+  int trapped = 0;    ///< blocks that nothing may take
+  int simulator = 0;  ///< blocks
 };
 
 /// Armed from construction to destruction. One at a time.

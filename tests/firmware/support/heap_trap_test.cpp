@@ -1,4 +1,4 @@
-/// Once admitted, a job takes nothing from the heap; only lodepng does, for one picture at a time.
+/// Once admitted, a job takes nothing from the heap.
 
 #include "tests/firmware/support/heap_trap.hpp"
 
@@ -59,7 +59,7 @@ TEST(HeapTrap, CountsBuffersOfStandardFiles) {
   EXPECT_GE(use.trapped, 1);
 }
 
-TEST(Job, TakesNothingFromTheHeapAfterItsAdmissionExceptInLodepng) {
+TEST(Job, TakesNothingFromTheHeapAfterItsAdmission) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 60'000, 12);
   Arena arena(arena_block);
@@ -83,15 +83,6 @@ TEST(Job, TakesNothingFromTheHeapAfterItsAdmissionExceptInLodepng) {
   EXPECT_GT(job->report().supports.all(), 0U);
   EXPECT_EQ(use.trapped, 0);
   if (use.trapped > 0) HeapTrap::print_stacks();
-
-  // Pictures were encoded by lodepng, but no masks.
-  EXPECT_GT(use.lodepng, 0);
-  EXPECT_LT(use.lodepng, static_cast<int>(job->report().slice.placement.grid.layers));
-  EXPECT_FALSE(use.lodepng_overflow);
-  EXPECT_EQ(use.lodepng_live, 0U) << "bytes that lodepng has not freed";
-  // The largest image is the preview. lodepng holds it three times: filtered, compressed and as a file.
-  constexpr std::size_t kPreviewBytes = std::size_t{3} * kPreviewColumns * kPreviewRows;
-  EXPECT_LE(use.lodepng_peak, 3 * kPreviewBytes);
 }
 
 TEST(Job, TakesNothingFromTheHeapWhenItEstimatesNormals) {
@@ -108,7 +99,6 @@ TEST(Job, TakesNothingFromTheHeapWhenItEstimatesNormals) {
   const HeapUse use = trap.disarm();
   ASSERT_TRUE(done.has_value()) << done.error().message();
   EXPECT_EQ(job->report().slice.normals.estimated, 20'000U);
-  EXPECT_EQ(use.lodepng, 0) << "there is no picture";
   EXPECT_EQ(use.trapped, 0);
   if (use.trapped > 0) HeapTrap::print_stacks();
 }

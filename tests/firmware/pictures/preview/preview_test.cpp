@@ -259,11 +259,12 @@ TEST(Preview, EncodesTheSamePixelsAsPng) {
   const std::string_view captions[] = {"one line", "and another"};
   const PreviewText text{"sphere.ply", "24.0 x 24.0 x 24.0 mm", captions};
   const Drawing drawing(solid.rrep, text);
-  std::vector<std::byte> memory(preview_bytes(solid.rrep.grid) + drawing.rgb.size() + 4 * Arena::kAlignment);
+  std::vector<std::byte> memory(preview_bytes(solid.rrep.grid) + kPageMemory + 4 * Arena::kAlignment);
   Arena arena(memory);
-  auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
+  auto encoder = PictureEncoder::create(kPageMemory);
   ASSERT_TRUE(encoder.has_value());
-  const auto png = encode_preview(solid.rrep, {}, text, arena, *encoder);
+  const auto png = encode_page(
+      arena, *encoder, [&](std::span<std::uint8_t> rgb) { return draw_preview(solid.rrep, {}, text, arena, rgb); });
   ASSERT_TRUE(png.has_value());
   EXPECT_EQ(arena.used(), 0U);
   std::vector<unsigned char> decoded;
