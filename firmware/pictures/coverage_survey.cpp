@@ -122,6 +122,7 @@ class Surveyor {
   void show_flat(const DepthMap& map, const BitImage& last, bool top) const {
     std::array<std::uint32_t, kMostSamples> columns;
     for (std::uint32_t u = 0; u < map.columns; ++u) columns[u] = column_of(u) / step_;
+#pragma omp parallel for schedule(static)
     for (std::uint32_t v = 0; v < map.rows; ++v) {
       const std::uint32_t row = row_of(top ? map.rows - v - 0.5 : v + 0.5) / step_;
       for (std::uint32_t u = 0; u < map.columns; ++u) {

@@ -124,6 +124,7 @@ void draw_tile(const Picture& picture, const TilePlace& place, const TileLayout&
   const double step = std::max({wide / tile.columns, high * aspect / tile.rows, kLeastShown / tile.rows});
   const double middle_column = whole ? grid.columns / 2.0 : (box.column + box.column_end) / 2.0;
   const double middle_row = whole ? grid.rows / 2.0 : (box.row + box.row_end) / 2.0;
+#pragma omp parallel for schedule(static)
   for (std::uint32_t y = 0; y < tile.rows; ++y) {
     const double row = middle_row + (y + 0.5 - tile.rows / 2.0) * step / aspect;
     for (std::uint32_t x = 0; x < tile.columns; ++x) {

@@ -164,8 +164,13 @@ void Picture::fill(std::int64_t left, std::int64_t top, std::int64_t width, std:
   const std::int64_t first = std::clamp<std::int64_t>(left, 0, columns);
   const std::int64_t end = std::clamp<std::int64_t>(left + width, first, columns);
   for (std::int64_t y = std::max<std::int64_t>(top, 0); y < std::min<std::int64_t>(top + height, rows); ++y) {
-    std::uint8_t* pixel = rgb.data() + 3 * (y * std::int64_t{columns} + first);
-    for (std::int64_t x = first; x < end; ++x, pixel += 3) std::copy(colour.begin(), colour.end(), pixel);
+    std::uint8_t* const pixels = rgb.data() + 3 * (y * std::int64_t{columns} + first);
+    const std::int64_t count = 3 * (end - first);
+    if (count == 0) continue;
+    // One pixel, then copies of all that there are.
+    std::copy(colour.begin(), colour.end(), pixels);
+    for (std::int64_t done = 3; done < count; done *= 2)
+      std::copy_n(pixels, std::min(done, count - done), pixels + done);
   }
 }
 

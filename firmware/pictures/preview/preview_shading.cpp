@@ -138,15 +138,27 @@ PLUMBLINE_WIDE void measure_light(const PixelMap& map, const Steps& steps, std::
   }
 }
 
-/// Slope at a sample, from the neighbours that belong to its surface.
-PLUMBLINE_INLINE float slope(float before, float here, float after) {
-  const float down = std::abs(here - before) < kJump ? here - before : 0.0F;
-  const float up = std::abs(after - here) < kJump ? after - here : 0.0F;
-  return std::abs(here - before) < kJump && std::abs(after - here) < kJump ? 0.5F * (down + up) : down + up;
+/// Slopes at samples, from the neighbours that belong to their surfaces.
+PLUMBLINE_INLINE void slope_lanes(Lanes& slope, const float* before, const float* here, const float* after) {
+  Lanes a, b, c, half;
+  load(a, before);
+  load(b, here);
+  load(c, after);
+  const Lanes down = b - a, up = c - b, none = Lanes{} + 0.0F;
+  const IntLanes has_down = (down < none + kJump) & (down > none - kJump);
+  const IntLanes has_up = (up < none + kJump) & (up > none - kJump);
+  Lanes of_down, of_up;
+  choose(of_down, has_down, down, none);
+  choose(of_up, has_up, up, none);
+  choose(half, has_down & has_up, none + 0.5F, none + 1.0F);
+  slope = (of_down + of_up) * half;
 }
 
-PLUMBLINE_INLINE float cosine(const Direction& a, float right, float up, float near) {
-  return std::max(a.right * right + a.up * up + a.near * near, 0.0F);
+/// Cosines of the angles between normals and a direction; 0 behind.
+PLUMBLINE_INLINE void cosine_lanes(Lanes& cosine, const Direction& a, const Lanes& right, const Lanes& up,
+                                   const Lanes& near) {
+  const Lanes none = Lanes{} + 0.0F, along = right * a.right + up * a.up + near * a.near;
+  choose(cosine, along > none, along, none);
 }
 
 /// Brightness of samples that show the object, 0 to 1.
@@ -155,19 +167,28 @@ PLUMBLINE_INLINE float cosine(const Direction& a, float right, float up, float n
 /// @param open, lamp     light that reaches them
 PLUMBLINE_WIDE void light_samples(const WideBlock& depth, const WideBlock& above, const WideBlock& below,
                                   const SampleBlock& open, const SampleBlock& lamp, SampleBlock& brightness) {
-  const Direction key = kKey, fill = kFill, halfway = kHalfway;
-  for (std::size_t i = 0; i < kBlockSamples; ++i) {
-    const float right = slope(depth[i], depth[i + 1], depth[i + 2]);
-    const float up = slope(below[i + 1], depth[i + 1], above[i + 1]);
-    const float near = 1.0F / std::sqrt(right * right + up * up + 1.0F);  // of the normal
-    const float x = right * near, y = up * near;
-    const float lit = cosine(key, x, y, near) * lamp[i];
-    const float sky = 0.5F + 0.5F * y;
-    const float shine = cosine(halfway, x, y, near);
-    const float shine2 = shine * shine, shine4 = shine2 * shine2, shine8 = shine4 * shine4;
-    const float ambient = open[i] * (0.10F + 0.14F * sky + 0.13F * cosine(fill, x, y, near));
-    const float linear = ambient + 0.62F * lit + 0.07F * lit * shine8 * shine8;
-    brightness[i] = std::sqrt(std::min(linear, 1.0F));  // to the screen: a gamma of 2
+  static_assert(kBlockSamples % kLanes == 0);
+  const Lanes none = Lanes{} + 0.0F;
+  for (std::size_t i = 0; i < kBlockSamples; i += kLanes) {
+    Lanes right, up, length, key, fill, shine, reaching, free;
+    slope_lanes(right, &depth[i], &depth[i + 1], &depth[i + 2]);
+    slope_lanes(up, &below[i + 1], &depth[i + 1], &above[i + 1]);
+    square_root(length, right * right + up * up + 1.0F);
+    const Lanes near = (none + 1.0F) / length;  // of the normal
+    right *= near;
+    up *= near;
+    cosine_lanes(key, kKey, right, up, near);
+    cosine_lanes(fill, kFill, right, up, near);
+    cosine_lanes(shine, kHalfway, right, up, near);
+    load(reaching, &lamp[i]);
+    load(free, &open[i]);
+    key *= reaching;
+    const Lanes sky = up * 0.5F + 0.5F;
+    const Lanes shine2 = shine * shine, shine4 = shine2 * shine2, shine8 = shine4 * shine4;
+    Lanes linear = free * (sky * 0.14F + fill * 0.13F + 0.10F) + key * 0.62F + key * shine8 * shine8 * 0.07F;
+    choose(linear, linear < none + 1.0F, linear, none + 1.0F);
+    square_root(linear, linear);  // to the screen: a gamma of 2
+    store(&brightness[i], linear);
   }
 }
 

@@ -178,6 +178,7 @@ class Surveyor {
   void show_top(const DepthMap& map, const BitImage& last) const {
     std::array<std::uint32_t, kMostSamples> columns;
     for (std::uint32_t u = 0; u < map.columns; ++u) columns[u] = column_of(u) >> shift_;
+#pragma omp parallel for schedule(static)
     for (std::uint32_t v = 0; v < map.rows; ++v) {
       const std::uint32_t row = row_of(v, map.rows) >> shift_;
       for (std::uint32_t u = 0; u < map.columns; ++u) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <lodepng.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -234,6 +235,17 @@ TEST(Preview, WritesTheSizeThatItIsGivenUpperRight) {
     }
   }
   EXPECT_GT(differences, 100U);
+}
+
+TEST(Preview, HasTheSamePixelsWithAnyNumberOfThreads) {
+  const Solid solid(cube(150, 0.2F), sphere(15, 13));
+  const int usual = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const Drawing alone(solid.rrep);
+  omp_set_num_threads(3);
+  const Drawing together(solid.rrep);
+  omp_set_num_threads(usual);
+  EXPECT_EQ(alone.rgb, together.rgb);
 }
 
 TEST(Preview, TakesThePlannedMemoryAndReturnsIt) {
