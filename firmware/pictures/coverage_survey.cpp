@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 
+#include "firmware/pictures/preview/preview_nearest.hpp"
 #include "firmware/pictures/preview/preview_section.hpp"
 #include "slicer/core/bit_image.hpp"
 
@@ -11,7 +11,6 @@ namespace plumbline::preview {
 namespace {
 
 constexpr const char* kStage = "coverage picture";
-constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 constexpr std::uint16_t kNever = 0xFFFF;
 
 class Surveyor {
@@ -29,11 +28,8 @@ class Surveyor {
     PLUMBLINE_TRY(ends);
     const auto nearest = arena.take_top<std::uint32_t>(rrep_.grid.columns, kStage);
     PLUMBLINE_TRY(nearest);
-    const auto found = arena.take_top<std::uint64_t>((rrep_.grid.columns + 63) / 64, kStage);
-    PLUMBLINE_TRY(found);
     ends_ = *ends;
     nearest_ = *nearest;
-    found_ = *found;
     return {};
   }
 
@@ -42,13 +38,21 @@ class Surveyor {
     std::array<std::uint32_t, kMostSamples> columns;
     for (std::uint32_t u = 0; u < map.columns; ++u) columns[u] = column_of(front ? u : map.columns - 1 - u);
     Section section(rrep_, words);
+    NearestSolid nearest(nearest_, extent_, front ? Beside::kFront : Beside::kBack);
     std::int64_t line = std::int64_t{map.rows} - 1;
     for (std::uint32_t layer = 0; layer < extent_.layer_end && line >= 0; ++layer) {
-      section.advance(layer, [](std::uint32_t, std::uint32_t, bool) {});
+      section.advance(layer, [&](std::uint32_t column, std::uint32_t row, bool inside) {
+        if (inside) nearest.add(column, row);
+      });
       if (layer < extent_.layer || layer_of(line, map.rows) > layer) continue;
-      see(section.image(), front);
+      nearest.settle(section.image());
       const auto first = static_cast<std::uint32_t>(line);
-      draw_line(map, first, std::span(columns).first(map.columns), layer, front);
+      for (std::uint32_t u = 0; u < map.columns; ++u) {
+        const std::uint32_t deep = nearest.distances()[columns[u]];
+        if (deep == nearest.none()) continue;
+        const std::uint32_t row = front ? extent_.row + deep : extent_.row_end - 1 - deep;
+        show(map, u, first, samples(deep, rrep_.grid.pitch_y_mm), columns[u], row, layer);
+      }
       for (--line; line >= 0 && layer_of(line, map.rows) <= layer; --line) {
         map.copy_line(first, static_cast<std::uint32_t>(line));
       }
@@ -86,38 +90,11 @@ class Surveyor {
     return static_cast<float>(cells * double{size_mm} * samples_per_mm_);
   }
 
-  /// Finds the nearest row of each column, seen from the front or from the back.
-  void see(const BitImage& section, bool from_front) {
-    const std::size_t first = extent_.column / 64, last = (extent_.column_end - 1) / 64;
-    std::fill(nearest_.begin() + extent_.column, nearest_.begin() + extent_.column_end, kNone);
-    std::fill(found_.begin() + static_cast<std::ptrdiff_t>(first),
-              found_.begin() + static_cast<std::ptrdiff_t>(last) + 1, std::uint64_t{0});
-    for (std::uint32_t k = 0; k < extent_.row_end - extent_.row; ++k) {
-      const std::uint32_t row = from_front ? extent_.row + k : extent_.row_end - 1 - k;
-      const auto words = section.row(row);
-      for (std::size_t w = first; w <= last; ++w) {
-        std::uint64_t fresh = words[w] & ~found_[w];
-        found_[w] |= fresh;
-        for (; fresh != 0; fresh &= fresh - 1)
-          nearest_[w * 64 + static_cast<std::size_t>(std::countr_zero(fresh))] = row;
-      }
-    }
-  }
-
   void show(const DepthMap& map, std::uint32_t u, std::uint32_t v, float depth, std::uint32_t column, std::uint32_t row,
             std::uint32_t layer) const {
     const std::size_t sample = std::size_t{v} * map.columns + u;
     map.depth[sample] = depth;
     map.material[sample] = static_cast<std::uint8_t>(map_.at(column, row, layer));
-  }
-  void draw_line(const DepthMap& map, std::uint32_t line, std::span<const std::uint32_t> columns, std::uint32_t layer,
-                 bool front) const {
-    for (std::uint32_t u = 0; u < map.columns; ++u) {
-      const std::uint32_t row = nearest_[columns[u]];
-      if (row == kNone) continue;
-      const std::uint32_t deep = front ? row - extent_.row : extent_.row_end - 1 - row;
-      show(map, u, line, samples(deep, rrep_.grid.pitch_y_mm), columns[u], row, layer);
-    }
   }
   void show_flat(const DepthMap& map, const BitImage& last, bool top) const {
     std::array<std::uint32_t, kMostSamples> columns;
@@ -145,7 +122,6 @@ class Surveyor {
   std::uint32_t cells_;               ///< a row of heights
   std::span<std::uint16_t> ends_;     ///< of the surface, by cell: the layers in which it begins or ends
   std::span<std::uint32_t> nearest_;  ///< by column
-  std::span<std::uint64_t> found_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 
+#include "firmware/pictures/preview/preview_nearest.hpp"
 #include "firmware/pictures/preview/preview_section.hpp"
 
 namespace plumbline::preview {
@@ -27,19 +28,28 @@ class Surveyor {
         shift_(static_cast<std::uint32_t>(std::countr_zero(height_step(rrep.grid)))),
         cells_((rrep.grid.columns + height_step(rrep.grid) - 1) / height_step(rrep.grid)) {}
 
-  /// The view along +y or along +x. The lines of a layer are alike.
-  void draw_wall(const DepthMap& map, bool along_rows) const {
+  /// The view from the front or from the left. The lines of a layer are alike.
+  void draw_wall(const DepthMap& map, Beside from) const {
+    const bool front = from == Beside::kFront;
     std::array<std::uint32_t, kMostSamples> places;  // of the grid, by sample of a line
-    for (std::uint32_t u = 0; u < map.columns; ++u) places[u] = along_rows ? column_of(u) : row_of(u, map.columns);
+    for (std::uint32_t u = 0; u < map.columns; ++u) places[u] = front ? column_of(u) : row_of(u, map.columns);
     Section section(rrep_, scratch_.section);
+    NearestSolid object(scratch_.nearest, extent_, from);
     std::int64_t line = std::int64_t{map.rows} - 1;  // from the underside up
     for (std::uint32_t layer = 0; layer < extent_.layer_end && line >= 0; ++layer) {
-      section.advance(layer, [](std::uint32_t, std::uint32_t, bool) {});
+      section.advance(layer, [&](std::uint32_t column, std::uint32_t row, bool inside) {
+        if (inside) object.add(column, row);
+      });
       if (layer < extent_.layer || layer_of(line, map.rows) > layer) continue;
-      along_rows ? see_along_rows(section.image()) : see_along_columns(section.image());
-      see_supports(layer, along_rows);
+      object.settle(section.image());
+      see_supports(layer, object);
       const auto first = static_cast<std::uint32_t>(line);
-      draw_line(map, first, std::span(places).first(map.columns), along_rows);
+      const auto deep_mm = double{front ? rrep_.grid.pitch_y_mm : rrep_.grid.pitch_x_mm};
+      for (std::uint32_t u = 0; u < map.columns; ++u) {
+        const std::uint32_t distance = scratch_.seen[places[u]];
+        if (distance == object.none()) continue;
+        map.show(u, first, depth_of(distance, deep_mm), is_support(scratch_.materials[places[u]]));
+      }
       for (--line; line >= 0 && layer_of(line, map.rows) <= layer; --line) {
         map.copy_line(first, static_cast<std::uint32_t>(line));
       }
@@ -64,8 +74,6 @@ class Surveyor {
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-
   /// Index of the cell at `samples` samples from the low end of a range.
   std::uint32_t cell(double samples, double size_mm, std::uint32_t first, std::uint32_t end) const {
     const auto k = static_cast<std::uint32_t>(samples / (layout_.samples_per_mm() * size_mm));
@@ -83,54 +91,26 @@ class Surveyor {
     return cell(above, double{rrep_.grid.layer_height_mm}, extent_.layer, extent_.layer_end);
   }
 
-  /// First row with solid in each column, for the view along +y.
-  void see_along_rows(const BitImage& image) const {
-    const auto nearest = scratch_.nearest;
-    const auto found = scratch_.found;
-    const std::uint32_t first = extent_.column / 64, last = (extent_.column_end - 1) / 64;
-    std::fill(nearest.begin() + extent_.column, nearest.begin() + extent_.column_end, kNone);
-    std::fill(found.begin() + first, found.begin() + last + 1, std::uint64_t{0});
-    for (std::uint32_t row = extent_.row; row < extent_.row_end; ++row) {
-      const auto words = image.row(row);
-      for (std::uint32_t w = first; w <= last; ++w) {
-        std::uint64_t fresh = words[w] & ~found[w];
-        found[w] |= fresh;
-        for (; fresh != 0; fresh &= fresh - 1)
-          nearest[w * 64 + static_cast<std::uint32_t>(std::countr_zero(fresh))] = row;
-      }
-    }
-  }
-  /// First column with solid in each row, for the view along +x.
-  void see_along_columns(const BitImage& image) const {
-    const auto nearest = scratch_.nearest;
-    const std::uint32_t first = extent_.column / 64, last = (extent_.column_end - 1) / 64;
-    for (std::uint32_t row = extent_.row; row < extent_.row_end; ++row) {
-      const auto words = image.row(row);
-      nearest[row] = kNone;
-      for (std::uint32_t w = first; w <= last && nearest[row] == kNone; ++w) {
-        if (words[w] != 0) nearest[row] = w * 64 + static_cast<std::uint32_t>(std::countr_zero(words[w]));
-      }
-    }
-  }
-
-  /// Finds the columns or rows where a support is nearer than the object.
-  void see_supports(std::uint32_t layer, bool along_rows) const {
-    const auto nearest = scratch_.nearest;
+  /// Sees the object, and supports where they are nearer.
+  void see_supports(std::uint32_t layer, const NearestSolid& object) const {
+    const auto seen = scratch_.seen;
     const auto materials = scratch_.materials;
-    const std::uint32_t first = along_rows ? extent_.column : extent_.row;
-    std::fill_n(materials.begin() + first, (along_rows ? extent_.column_end : extent_.row_end) - first,
-                to_byte(Material::kObject));
+    for (std::uint32_t place = object.first(); place < object.end(); ++place) {
+      seen[place] = object.distances()[place];
+      materials[place] = to_byte(Material::kObject);
+    }
     const auto see = [&](std::uint32_t place, std::uint32_t distance) {
-      if (nearest[place] != kNone && nearest[place] <= distance) return;
-      nearest[place] = distance;
+      if (seen[place] <= distance) return;
+      seen[place] = distance;
       materials[place] = to_byte(Material::kSupport);
     };
     for (const Strut& strut : supports_.list) {
       if (!strut.is_in(layer)) continue;
       for_each_span(supports_, strut, layer, rrep_.grid,
                     [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-                      if (!along_rows) return see(row, begin);
-                      for (std::uint32_t column = begin; column < end; ++column) see(column, row);
+                      if (object.by_row()) return see(row, object.distance(begin, row));
+                      for (std::uint32_t column = begin; column < end; ++column)
+                        see(column, object.distance(column, row));
                     });
     }
   }
@@ -164,16 +144,6 @@ class Surveyor {
 
   float depth_of(std::uint32_t cells, double size_mm) const {
     return static_cast<float>(cells * size_mm * layout_.samples_per_mm());
-  }
-  void draw_line(const DepthMap& map, std::uint32_t line, std::span<const std::uint32_t> places,
-                 bool along_rows) const {
-    const std::uint32_t first = along_rows ? extent_.row : extent_.column;
-    const auto deep_mm = double{along_rows ? rrep_.grid.pitch_y_mm : rrep_.grid.pitch_x_mm};
-    for (std::uint32_t u = 0; u < map.columns; ++u) {
-      const std::uint32_t nearest = scratch_.nearest[places[u]];
-      if (nearest == kNone) continue;
-      map.show(u, line, depth_of(nearest - first, deep_mm), is_support(scratch_.materials[places[u]]));
-    }
   }
   void show_top(const DepthMap& map, const BitImage& last) const {
     std::array<std::uint32_t, kMostSamples> columns;
@@ -221,7 +191,8 @@ void survey(const RRep& rrep, const Supports& supports, const Extent& extent, co
             const SurveyScratch& scratch, Side side, const DepthMap& map) {
   std::fill(map.depth.begin(), map.depth.end(), DepthMap::kEmpty);
   const Surveyor surveyor(rrep, supports, extent, layout, scratch);
-  side == Side::kTop ? surveyor.draw_top(map) : surveyor.draw_wall(map, side == Side::kFront);
+  side == Side::kTop ? surveyor.draw_top(map)
+                     : surveyor.draw_wall(map, side == Side::kFront ? Beside::kFront : Beside::kLeft);
 }
 
 }  // namespace plumbline::preview

@@ -23,7 +23,7 @@ std::size_t height_cells(const PrintGrid& grid);
 struct SurveyScratch {
   std::span<std::uint64_t> section;   ///< an image of the grid
   std::span<std::uint32_t> nearest;   ///< as many as the longer side of the grid has pixels
-  std::span<std::uint64_t> found;     ///< words of a row
+  std::span<std::uint32_t> seen;      ///< the same
   std::span<std::uint16_t> heights;   ///< height_cells()
   std::span<std::uint8_t> materials;  ///< the larger of height_cells() and the longer side
 };

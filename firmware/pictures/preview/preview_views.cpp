@@ -41,8 +41,7 @@ std::size_t samples_of(const Page& page, Views views) {
 std::size_t views_bytes(const PrintGrid& grid, const Page& page, Views views) {
   const std::size_t samples = samples_of(page, views);
   return Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
-         Arena::rounded(std::size_t{std::max(grid.columns, grid.rows)} * sizeof(std::uint32_t)) +
-         Arena::rounded(std::size_t{(grid.columns + 63) / 64} * sizeof(std::uint64_t)) +
+         2 * Arena::rounded(std::size_t{std::max(grid.columns, grid.rows)} * sizeof(std::uint32_t)) +
          Arena::rounded(height_cells(grid) * sizeof(std::uint16_t)) + Arena::rounded(material_bytes(grid)) +
          2 * Arena::rounded(samples * sizeof(float)) + Arena::rounded(samples);
 }
@@ -55,8 +54,8 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
   PLUMBLINE_TRY(words);
   const auto nearest = arena.take_top<std::uint32_t>(std::max(grid.columns, grid.rows), kStage);
   PLUMBLINE_TRY(nearest);
-  const auto found = arena.take_top<std::uint64_t>((grid.columns + 63) / 64, kStage);
-  PLUMBLINE_TRY(found);
+  const auto seen = arena.take_top<std::uint32_t>(std::max(grid.columns, grid.rows), kStage);
+  PLUMBLINE_TRY(seen);
   const auto heights = arena.take_top<std::uint16_t>(height_cells(grid), kStage);
   PLUMBLINE_TRY(heights);
   const auto materials = arena.take_top<std::uint8_t>(material_bytes(grid), kStage);
@@ -84,7 +83,7 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
     const std::uint32_t columns = width * kSamplesPerPixel, rows = height * kSamplesPerPixel;
     const std::size_t size = std::size_t{columns} * rows;
     const DepthMap map{depths->first(size), samples->first(size), columns, rows};
-    survey(rrep, supports, extent, layout, {*words, *nearest, *found, *heights, *materials}, side, map);
+    survey(rrep, supports, extent, layout, {*words, *nearest, *seen, *heights, *materials}, side, map);
     smooth_depth(map, *scratch, {.across = in_samples(std::max(across_mm, up_mm)), .deep = in_samples(deep_mm)});
     const std::int64_t below = side == Side::kTop ? (std::int64_t{layout.tall} + height) / 2 : height;
     shade_depth(map, *scratch, picture, left, layout.floor - below, kMaterials);
