@@ -153,6 +153,10 @@ class SmoothGlyph {
 void Picture::blend(std::int64_t column, std::int64_t row, const Colour& colour, float cover) const {
   if (column < 0 || row < 0 || column >= columns || row >= rows) return;
   std::uint8_t* pixel = &rgb[3 * (static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column))];
+  if (cover >= 1.0F) {
+    std::copy(colour.begin(), colour.end(), pixel);
+    return;
+  }
   for (std::size_t c = 0; c < 3; ++c) {
     const float mixed = static_cast<float>(pixel[c]) * (1.0F - cover) + static_cast<float>(colour[c]) * cover;
     pixel[c] = static_cast<std::uint8_t>(std::clamp(mixed + 0.5F, 0.0F, 255.0F));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "slicer/core/numbers/lanes.hpp"
 
@@ -202,34 +203,59 @@ void take_samples(const DepthMap& map, std::ptrdiff_t row, std::ptrdiff_t first,
               samples.begin() + (begin - (first - 1)));
 }
 
+/// The samples of a pixel, row after row, in the map.
+struct PixelSamples {
+  PixelSamples(const DepthMap& map, std::ptrdiff_t column, std::ptrdiff_t row) {
+    static_assert(kSamplesPerPixel == 2);
+    const std::size_t first = static_cast<std::size_t>(2 * row) * map.columns + static_cast<std::size_t>(2 * column);
+    at = {first, first + 1, first + map.columns, first + map.columns + 1};
+  }
+  std::array<std::size_t, 4> at;
+};
+
+/// The depth of the first sample of each pixel of a row that shows something.
+void take_first_depths(const DepthMap& map, std::ptrdiff_t row, std::span<float> depths) {
+  for (std::size_t column = 0; column < depths.size(); ++column) {
+    const PixelSamples samples(map, static_cast<std::ptrdiff_t>(column), row);
+    float depth = DepthMap::kEmpty;
+    for (auto k = samples.at.rbegin(); k != samples.at.rend(); ++k) {
+      depth = map.depth[*k] == DepthMap::kEmpty ? depth : map.depth[*k];
+    }
+    depths[column] = depth;
+  }
+}
+
+/// The colour of a pixel, and how much of it the object covers.
+/// @param bright  of its samples, row after row
+std::pair<Colour, float> mixed(const DepthMap& map, const PixelSamples& samples, const std::array<float, 4>& bright,
+                               std::span<const Colour> materials) {
+  std::array<float, 3> sum = {};
+  float shown = 0;
+  for (std::size_t k = 0; k < samples.at.size(); ++k) {
+    if (map.depth[samples.at[k]] == DepthMap::kEmpty) continue;
+    const Colour& colour = materials[map.material[samples.at[k]]];
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += bright[k] * static_cast<float>(colour[c]);
+    ++shown;
+  }
+  const float share = 1.0F / shown;
+  const auto level = [share](float of) { return static_cast<std::uint8_t>(of * share); };
+  return {{level(sum[0]), level(sum[1]), level(sum[2])}, shown / static_cast<float>(samples.at.size())};
+}
+
 }  // namespace
 
 void shade_depth(const DepthMap& map, std::span<float> scratch, const Picture& picture, std::int64_t left,
                  std::int64_t top, std::span<const Colour> materials) {
-  const std::ptrdiff_t columns = (std::ptrdiff_t{map.columns} + kSamplesPerPixel - 1) / kSamplesPerPixel;
-  const std::ptrdiff_t rows = (std::ptrdiff_t{map.rows} + kSamplesPerPixel - 1) / kSamplesPerPixel;
-  assert(scratch.size() >= static_cast<std::size_t>(columns * rows));
+  assert(map.columns % kSamplesPerPixel == 0 && map.rows % kSamplesPerPixel == 0);
+  const std::ptrdiff_t columns = map.columns / kSamplesPerPixel, rows = map.rows / kSamplesPerPixel;
   const Steps steps;
   const PixelMap pixels{scratch.data(), columns, rows};
-  // Samples of a pixel that the map has.
-  const auto for_samples = [&map](std::ptrdiff_t column, std::ptrdiff_t row, auto visit) {
-    for (std::uint32_t k = 0; k < kSamplesPerPixel * kSamplesPerPixel; ++k) {
-      const auto x = static_cast<std::uint32_t>(column) * kSamplesPerPixel + k % kSamplesPerPixel;
-      const auto y = static_cast<std::uint32_t>(row) * kSamplesPerPixel + k / kSamplesPerPixel;
-      if (x < map.columns && y < map.rows) visit(std::size_t{y} * map.columns + x, k);
-    }
-  };
 #pragma omp parallel
   {
 #pragma omp for schedule(static)
     for (std::ptrdiff_t row = 0; row < rows; ++row) {
-      for (std::ptrdiff_t column = 0; column < columns; ++column) {
-        float depth = DepthMap::kEmpty;
-        for_samples(column, row, [&](std::size_t sample, std::uint32_t) {
-          if (depth == DepthMap::kEmpty) depth = map.depth[sample];
-        });
-        scratch[static_cast<std::size_t>(row * columns + column)] = depth;
-      }
+      take_first_depths(map, row,
+                        scratch.subspan(static_cast<std::size_t>(row * columns), static_cast<std::size_t>(columns)));
     }
 #pragma omp for schedule(dynamic, 8)
     for (std::ptrdiff_t row = 0; row < rows; ++row) {
@@ -249,21 +275,12 @@ void shade_depth(const DepthMap& map, std::span<float> scratch, const Picture& p
           light_samples(lines[k + 1], lines[k], lines[k + 2], open, lamp, brightness[k]);
         }
         for (std::ptrdiff_t i = 0; i < count; ++i) {
-          std::array<float, 3> sum = {};
-          std::uint32_t shown = 0;
-          for_samples(first + i, row, [&](std::size_t sample, std::uint32_t k) {
-            if (map.depth[sample] == DepthMap::kEmpty) return;
-            const float bright =
-                brightness[k / kSamplesPerPixel][static_cast<std::size_t>(i) * kSamplesPerPixel + k % kSamplesPerPixel];
-            const Colour& colour = materials[map.material[sample]];
-            for (std::size_t c = 0; c < 3; ++c) sum[c] += bright * static_cast<float>(colour[c]);
-            ++shown;
-          });
-          if (shown == 0) continue;
-          Colour colour;
-          for (std::size_t c = 0; c < 3; ++c) colour[c] = static_cast<std::uint8_t>(sum[c] / static_cast<float>(shown));
-          picture.blend(left + first + i, top + row, colour,
-                        static_cast<float>(shown) / (kSamplesPerPixel * kSamplesPerPixel));
+          if (depths[i] == DepthMap::kEmpty) continue;
+          const auto x = static_cast<std::size_t>(i) * kSamplesPerPixel;
+          const auto [colour, cover] =
+              mixed(map, PixelSamples(map, first + i, row),
+                    {brightness[0][x], brightness[0][x + 1], brightness[1][x], brightness[1][x + 1]}, materials);
+          picture.blend(left + first + i, top + row, colour, cover);
         }
       }
     }

@@ -41,6 +41,7 @@ inline constexpr std::uint32_t kSamplesPerPixel = 2;  ///< of a depth map, on ea
 inline constexpr std::size_t kMostSamples = 3200;
 
 /// Draws the object lit from the upper left, with soft shadows and darker creases.
+/// @param map        a whole number of pixels
 /// @param scratch    as many as map.depth
 /// @param left, top  pixel of the picture where the map's first sample goes
 /// @param materials  as many as the map has, by index

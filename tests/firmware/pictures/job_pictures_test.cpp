@@ -162,7 +162,7 @@ TEST(CoveragePicture, ShowsTheUndersideBlueAndTheRestAsScanned) {
   EXPECT_FALSE(draw_coverage_picture(box.rrep, map, small, *picture));
 }
 
-// What they are drawn in follows from what is drawn: a page of 1600 x 900 pixels would take 27 MB, and ten times as long.
+// What they are drawn in follows from what is drawn: a page of 1600 x 900 pixels would take 14 MB more, and ten times as long.
 TEST(SmallPictures, AreDrawnAtTheirOwnSize) {
   PrintGrid grid;
   grid.columns = 1440;
