@@ -46,9 +46,14 @@ PLUMBLINE_INLINE void smooth_lanes(const float* from, float* to, std::size_t cou
   Lanes depth, smooth;
   load_lanes<kAll>(depth, from, count, part);
   const Lanes none = Lanes{} + 0.0F;
+  const IntLanes shown = depth < none + DepthMap::kEmpty;
+  if (!any(shown)) {
+    std::fill_n(to, count, DepthMap::kEmpty);
+    return;
+  }
   const float middle = static_cast<float>(reach.most + 1);
   Lanes weight = none + middle, sum = depth * middle;
-  IntLanes counts = depth < none + DepthMap::kEmpty;
+  IntLanes counts = shown;
   // Average opposite neighbours in pairs, which leaves slopes unchanged. A pair that bends more than the steps do ends the average:
   // that bend belongs to the object.
   for (std::ptrdiff_t k = reach.stride; k <= std::min(reach.most, most); k += reach.stride) {
@@ -62,7 +67,6 @@ PLUMBLINE_INLINE void smooth_lanes(const float* from, float* to, std::size_t cou
     bend -= 2.0F * reach.voxel.deep;
     counts =
         counts & (bend * way <= rise * reach.voxel.across) & (rise <= none + kSteepest * (way + reach.voxel.across));
-    if (!any(counts)) break;
     const float w = static_cast<float>(reach.most + 1 - k);
     Lanes counted;
     choose(counted, counts, w * both, none);
@@ -70,7 +74,7 @@ PLUMBLINE_INLINE void smooth_lanes(const float* from, float* to, std::size_t cou
     choose(counted, counts, none + 2.0F * w, none);
     weight += counted;
   }
-  choose(smooth, depth < none + DepthMap::kEmpty, sum / weight, depth);
+  choose(smooth, shown, sum / weight, depth);
   if (kAll) return store(to, smooth);
   store(part.data(), smooth);
   std::copy_n(part.begin(), count, to);
