@@ -40,38 +40,42 @@ Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const Confiden
   const ArenaScope scope(arena);
   draw_background(picture);
   const PrintGrid& grid = rrep.grid;
-  const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
-  PLUMBLINE_TRY(words);
+  Extent extent;
+  {
+    const ArenaScope looking(arena);
+    const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
+    PLUMBLINE_TRY(words);
+    extent = find_extent(rrep, *words);
+  }
   const TextStyle plain{.scale = 2, .colour = kInk};
-  const Extent extent = find_extent(rrep, *words);
   if (extent.empty()) return PagePart{};
   const CoverageLayout layout = CoverageLayout::of(extent, grid, page);
   const auto in_samples = [&](float mm) { return mm * static_cast<float>(layout.samples_per_mm); };
   std::int64_t left = layout.left;
-  // One view at a time: all four at once would need more memory than any other stage of a small job.
-  constexpr std::array<std::string_view, 4> kNames = {"front", "back", "above", "below"};
+  // Two views at a time: all four at once would need more memory than any other stage of a small job.
   const std::uint32_t columns = layout.width * kSamplesPerPixel;
-  for (std::size_t v = 0; v < kNames.size(); ++v, left += layout.step) {
-    const ArenaScope one(arena);
-    const auto view = static_cast<CoverageView>(v);
-    const bool wall = view == CoverageView::kFront || view == CoverageView::kBack;
-    const std::uint32_t height = wall ? layout.height : layout.depth;
-    const std::size_t samples = std::size_t{columns} * height * kSamplesPerPixel;
-    const auto depths = arena.take_top<float>(samples, kStage);
+  for (const bool walls : {true, false}) {
+    const ArenaScope pair(arena);
+    const std::uint32_t height = walls ? layout.height : layout.depth, rows = height * kSamplesPerPixel;
+    const std::size_t samples = std::size_t{columns} * rows;
+    const auto depths = arena.take_top<float>(2 * samples, kStage);
     PLUMBLINE_TRY(depths);
-    const auto materials = arena.take_top<std::uint8_t>(samples, kStage);
+    const auto materials = arena.take_top<std::uint8_t>(2 * samples, kStage);
     PLUMBLINE_TRY(materials);
+    const std::array<DepthMap, 2> views = {{{depths->first(samples), materials->first(samples), columns, rows},
+                                            {depths->last(samples), materials->last(samples), columns, rows}}};
+    PLUMBLINE_TRY(survey_coverage(rrep, map, extent, layout, arena, walls, views));
     const auto scratch = arena.take_top<float>(samples, kStage);
     PLUMBLINE_TRY(scratch);
-    const DepthMap seen{*depths, *materials, columns, height * kSamplesPerPixel};
-    PLUMBLINE_TRY(survey_coverage(rrep, map, extent, layout, *words, arena, view, seen));
-    const float across_mm = std::max(grid.pitch_x_mm, wall ? grid.layer_height_mm : grid.pitch_y_mm);
-    const float deep_mm = wall ? grid.pitch_y_mm : grid.layer_height_mm;
-    smooth_depth(seen, *scratch, {.across = in_samples(across_mm), .deep = in_samples(deep_mm)});
-    shade_depth(seen, *scratch, picture, left, (std::int64_t{page.top} + page.bottom - height) / 2, kColours);
-    if (named) {
-      const std::int64_t spare = std::int64_t{layout.width} - text_width(kNames[v], plain);
-      draw_text(picture, left + spare / 2, page.bottom + 6, kNames[v], plain);
+    const float across_mm = std::max(grid.pitch_x_mm, walls ? grid.layer_height_mm : grid.pitch_y_mm);
+    const float deep_mm = walls ? grid.pitch_y_mm : grid.layer_height_mm;
+    for (std::size_t v = 0; v < views.size(); ++v, left += layout.step) {
+      smooth_depth(views[v], *scratch, {.across = in_samples(across_mm), .deep = in_samples(deep_mm)});
+      shade_depth(views[v], *scratch, picture, left, (std::int64_t{page.top} + page.bottom - height) / 2, kColours);
+      if (!named) continue;
+      const std::string_view name = walls ? (v == 0 ? "front" : "back") : (v == 0 ? "above" : "below");
+      const std::int64_t spare = std::int64_t{layout.width} - text_width(name, plain);
+      draw_text(picture, left + spare / 2, page.bottom + 6, name, plain);
     }
   }
   const std::uint32_t tall = std::max(layout.height, layout.depth);

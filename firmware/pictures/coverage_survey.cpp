@@ -24,20 +24,24 @@ class Surveyor {
         cells_((rrep.grid.columns + step_ - 1) / step_) {}
 
   Status take(Arena& arena) {
+    const auto words =
+        arena.take_top<std::uint64_t>(BitImage::words_needed(rrep_.grid.columns, rrep_.grid.rows), kStage);
+    PLUMBLINE_TRY(words);
     const auto ends = arena.take_top<std::uint16_t>(height_cells(rrep_.grid), kStage);
     PLUMBLINE_TRY(ends);
     const auto nearest = arena.take_top<std::uint32_t>(rrep_.grid.columns, kStage);
     PLUMBLINE_TRY(nearest);
+    words_ = *words;
     ends_ = *ends;
     nearest_ = *nearest;
     return {};
   }
 
   /// The front, or the back, which is mirrored. The lines of a layer are alike.
-  void draw_wall(std::span<std::uint64_t> words, const DepthMap& map, bool front) {
+  void draw_wall(const DepthMap& map, bool front) {
     std::array<std::uint32_t, kMostSamples> columns;
     for (std::uint32_t u = 0; u < map.columns; ++u) columns[u] = column_of(front ? u : map.columns - 1 - u);
-    Section section(rrep_, words);
+    Section section(rrep_, words_);
     NearestSolid nearest(nearest_, extent_, front ? Beside::kFront : Beside::kBack);
     std::int64_t line = std::int64_t{map.rows} - 1;
     for (std::uint32_t layer = 0; layer < extent_.layer_end && line >= 0; ++layer) {
@@ -59,9 +63,9 @@ class Surveyor {
     }
   }
   /// The view from above, with the back at the upper end, or from below, with the front there.
-  void draw_flat(std::span<std::uint64_t> words, const DepthMap& map, bool top) {
+  void draw_flat(const DepthMap& map, bool top) {
     std::fill(ends_.begin(), ends_.end(), kNever);
-    Section section(rrep_, words);
+    Section section(rrep_, words_);
     for (std::uint32_t layer = 0; layer < extent_.layer_end; ++layer) {
       section.advance(layer, [&](std::uint32_t column, std::uint32_t row, bool inside) {
         if (inside == top || ((column | row) & (step_ - 1)) != 0) return;
@@ -99,7 +103,6 @@ class Surveyor {
   void show_flat(const DepthMap& map, const BitImage& last, bool top) const {
     std::array<std::uint32_t, kMostSamples> columns;
     for (std::uint32_t u = 0; u < map.columns; ++u) columns[u] = column_of(u) / step_;
-#pragma omp parallel for schedule(static)
     for (std::uint32_t v = 0; v < map.rows; ++v) {
       const std::uint32_t row = row_of(top ? map.rows - v - 0.5 : v + 0.5) / step_;
       for (std::uint32_t u = 0; u < map.columns; ++u) {
@@ -120,6 +123,7 @@ class Surveyor {
   double samples_per_mm_;
   std::uint32_t step_;                ///< pixels between two heights
   std::uint32_t cells_;               ///< a row of heights
+  std::span<std::uint64_t> words_;    ///< of the section
   std::span<std::uint16_t> ends_;     ///< of the surface, by cell: the layers in which it begins or ends
   std::span<std::uint32_t> nearest_;  ///< by column
 };
@@ -146,15 +150,14 @@ CoverageLayout CoverageLayout::of(const Extent& extent, const PrintGrid& grid, c
 }
 
 Status survey_coverage(const RRep& rrep, const ConfidenceMap& map, const Extent& extent, const CoverageLayout& layout,
-                       std::span<std::uint64_t> section, Arena& arena, CoverageView view, const DepthMap& depths) {
+                       Arena& arena, bool walls, const std::array<DepthMap, 2>& views) {
   const ArenaScope scope(arena);
-  Surveyor surveyor(rrep, map, extent, layout);
-  PLUMBLINE_TRY(surveyor.take(arena));
-  std::fill(depths.depth.begin(), depths.depth.end(), DepthMap::kEmpty);
-  if (view == CoverageView::kFront || view == CoverageView::kBack) {
-    surveyor.draw_wall(section, depths, view == CoverageView::kFront);
-  } else {
-    surveyor.draw_flat(section, depths, view == CoverageView::kAbove);
+  std::array<Surveyor, 2> surveyors = {Surveyor(rrep, map, extent, layout), Surveyor(rrep, map, extent, layout)};
+  for (Surveyor& surveyor : surveyors) PLUMBLINE_TRY(surveyor.take(arena));
+#pragma omp parallel for schedule(static, 1)
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    std::fill(views[v].depth.begin(), views[v].depth.end(), DepthMap::kEmpty);
+    walls ? surveyors[v].draw_wall(views[v], v == 0) : surveyors[v].draw_flat(views[v], v == 0);
   }
   return {};
 }

@@ -1,8 +1,8 @@
 #pragma once
 /// The depth maps of the coverage picture: for each sample the depth and what the surface there rests on.
 
+#include <array>
 #include <cstdint>
-#include <span>
 
 #include "firmware/pictures/preview/preview_shading.hpp"
 #include "firmware/pictures/preview/preview_survey.hpp"
@@ -21,15 +21,13 @@ struct CoverageLayout {
   static CoverageLayout of(const Extent& extent, const PrintGrid& grid, const Page& page);
 };
 
-enum class CoverageView : std::uint8_t { kFront, kBack, kAbove, kBelow };
-
-/// Fills the depth map of one view in a sweep over the layers.
-/// @param section  scratch: an image of the grid
-/// @param arena    for the heights of the surface, taken from the top and released
-/// @param depths   DepthMap::material is an Evidence
+/// Fills the depth maps of two views, each in a sweep over the layers, at once.
+/// @param arena  for two images of the grid and the heights of the surface, taken from the top and released
+/// @param walls  whether the views are those from the front and the back, or from above and below
+/// @param views  DepthMap::material is an Evidence
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Status survey_coverage(const RRep& rrep, const ConfidenceMap& map, const Extent& extent,
-                                     const CoverageLayout& layout, std::span<std::uint64_t> section, Arena& arena,
-                                     CoverageView view, const DepthMap& depths);
+                                     const CoverageLayout& layout, Arena& arena, bool walls,
+                                     const std::array<DepthMap, 2>& views);
 
 }  // namespace plumbline::preview

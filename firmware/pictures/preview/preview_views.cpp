@@ -1,6 +1,7 @@
 #include "firmware/pictures/preview/preview_views.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/pictures/preview/preview_shading.hpp"
@@ -24,52 +25,69 @@ void draw_floor(const Picture& picture, std::int64_t left, std::int64_t width, s
   }
 }
 
+std::uint32_t longer_side(const PrintGrid& grid) { return std::max(grid.columns, grid.rows); }
+
 std::size_t material_bytes(const PrintGrid& grid) {
-  return std::max<std::size_t>(height_cells(grid), std::max(grid.columns, grid.rows));
+  return std::max<std::size_t>(height_cells(grid), longer_side(grid));
 }
 
-/// Samples of the largest map of a page.
-std::size_t samples_of(const Page& page, Views views) {
-  const std::uint32_t across = page.area_columns(static_cast<std::uint32_t>(views)), up = page.area_rows();
-  // Of three sides each has half of the width at most, but for the one from the side, which is as deep as that from above is high.
-  const std::uint32_t columns = views == Views::kThreeSides ? std::max(across / 2, std::min(across, up)) : across;
-  return std::size_t{columns} * up * kSamplesPerPixel * kSamplesPerPixel;
-}
+/// Samples of maps of a page, at most.
+struct Samples {
+  Samples(const Page& page, Views views) {
+    const std::uint32_t across = page.area_columns(static_cast<std::uint32_t>(views));
+    // Of three sides each has half of the width at most, but for the one from the side, which is as deep as that from above is high.
+    const bool all = views == Views::kThreeSides;
+    const std::uint32_t deep = std::min(across, page.area_rows());
+    const std::size_t column = std::size_t{page.area_rows()} * kSamplesPerPixel * kSamplesPerPixel;
+    largest = (all ? std::max(across / 2, deep) : across) * column;
+    walls = (all ? (across + deep) / 2 : across) * column;
+  }
+  std::size_t largest;  ///< of one
+  std::size_t walls;    ///< of those from the front and from the side together; that from above has fewer
+};
+
+/// What a picture shows from one side.
+struct View {
+  Side side;
+  std::uint32_t width, height;      ///< pixels
+  std::int64_t left, top;           ///< on the page
+  float across_mm, up_mm, deep_mm;  ///< of a voxel
+};
 
 }  // namespace
 
 std::size_t views_bytes(const PrintGrid& grid, const Page& page, Views views) {
-  const std::size_t samples = samples_of(page, views);
-  return Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
-         2 * Arena::rounded(std::size_t{std::max(grid.columns, grid.rows)} * sizeof(std::uint32_t)) +
+  const Samples samples(page, views);
+  return 2 * Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
+         4 * Arena::rounded(std::size_t{longer_side(grid)} * sizeof(std::uint32_t)) +
          Arena::rounded(height_cells(grid) * sizeof(std::uint16_t)) + Arena::rounded(material_bytes(grid)) +
-         2 * Arena::rounded(samples * sizeof(float)) + Arena::rounded(samples);
+         Arena::rounded(longer_side(grid)) + Arena::rounded(samples.walls * sizeof(float)) +
+         Arena::rounded(samples.walls) + Arena::rounded(samples.largest * sizeof(float));
 }
 
 Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& supports, const Page& page, Views views,
                                            Arena& arena, const Picture& picture) {
   const PrintGrid& grid = rrep.grid;
   const ArenaScope scope(arena);
-  const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
-  PLUMBLINE_TRY(words);
-  const auto nearest = arena.take_top<std::uint32_t>(std::max(grid.columns, grid.rows), kStage);
-  PLUMBLINE_TRY(nearest);
-  const auto seen = arena.take_top<std::uint32_t>(std::max(grid.columns, grid.rows), kStage);
-  PLUMBLINE_TRY(seen);
-  const auto heights = arena.take_top<std::uint16_t>(height_cells(grid), kStage);
-  PLUMBLINE_TRY(heights);
-  const auto materials = arena.take_top<std::uint8_t>(material_bytes(grid), kStage);
-  PLUMBLINE_TRY(materials);
-  const std::size_t count = samples_of(page, views);
-  const auto samples = arena.take_top<std::uint8_t>(count, kStage);
+  std::array<SurveyScratch, 2> room;  // of two views at once
+  for (SurveyScratch& one : room) {
+    PLUMBLINE_TRY(arena.take_top(one.section, BitImage::words_needed(grid.columns, grid.rows), kStage));
+    PLUMBLINE_TRY(arena.take_top(one.nearest, longer_side(grid), kStage));
+    PLUMBLINE_TRY(arena.take_top(one.seen, longer_side(grid), kStage));
+  }
+  PLUMBLINE_TRY(arena.take_top(room[0].heights, height_cells(grid), kStage));
+  PLUMBLINE_TRY(arena.take_top(room[0].materials, material_bytes(grid), kStage));
+  PLUMBLINE_TRY(arena.take_top(room[1].materials, longer_side(grid), kStage));
+  const Samples most(page, views);
+  const auto samples = arena.take_top<std::uint8_t>(most.walls, kStage);
   PLUMBLINE_TRY(samples);
-  const auto depths = arena.take_top<float>(count, kStage);
+  const auto depths = arena.take_top<float>(most.walls, kStage);
   PLUMBLINE_TRY(depths);
-  const auto scratch = arena.take_top<float>(count, kStage);
+  const auto scratch = arena.take_top<float>(most.largest, kStage);
   PLUMBLINE_TRY(scratch);
 
   draw_background(picture);
-  const Extent object = find_extent(rrep, *words);
+  const Extent object = find_extent(rrep, room[0].section);
   if (object.empty()) return std::optional<Layout>();
   const Extent extent = with_supports(object, supports, grid);
   const Layout layout = lay_out(extent, grid, page, views);
@@ -77,22 +95,36 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
   draw_floor(picture, layout.front_left, layout.width, layout.floor, fade);
   if (views == Views::kThreeSides) draw_floor(picture, layout.side_left, layout.depth, layout.floor, fade);
   const auto in_samples = [&](float mm) { return mm * static_cast<float>(layout.samples_per_mm()); };
-  // One after another: all at once would need more memory than most stages of a small job.
-  const auto draw = [&](Side side, std::uint32_t width, std::uint32_t height, std::int64_t left, float across_mm,
-                        float up_mm, float deep_mm) {
-    const std::uint32_t columns = width * kSamplesPerPixel, rows = height * kSamplesPerPixel;
-    const std::size_t size = std::size_t{columns} * rows;
-    const DepthMap map{depths->first(size), samples->first(size), columns, rows};
-    survey(rrep, supports, extent, layout, {*words, *nearest, *seen, *heights, *materials}, side, map);
-    smooth_depth(map, *scratch, {.across = in_samples(std::max(across_mm, up_mm)), .deep = in_samples(deep_mm)});
-    const std::int64_t below = side == Side::kTop ? (std::int64_t{layout.tall} + height) / 2 : height;
-    shade_depth(map, *scratch, picture, left, layout.floor - below, kMaterials);
-  };
   const float x = grid.pitch_x_mm, y = grid.pitch_y_mm, z = grid.layer_height_mm;
-  draw(Side::kFront, layout.width, layout.height, layout.front_left, x, z, y);
+  const std::int64_t upper = layout.floor - layout.height;
+  const std::int64_t top_upper = layout.floor - (std::int64_t{layout.tall} + layout.depth) / 2;
+  const std::array<View, 3> sides = {{{Side::kFront, layout.width, layout.height, layout.front_left, upper, x, z, y},
+                                      {Side::kSide, layout.depth, layout.height, layout.side_left, upper, y, z, x},
+                                      {Side::kTop, layout.width, layout.depth, layout.top_left, top_upper, x, y, z}}};
+  const auto map_of = [&](const View& view, std::size_t first) {
+    const std::uint32_t columns = view.width * kSamplesPerPixel, rows = view.height * kSamplesPerPixel;
+    const std::size_t size = std::size_t{columns} * rows;
+    return DepthMap{depths->subspan(first, size), samples->subspan(first, size), columns, rows};
+  };
+  const auto see = [&](const View& view, const SurveyScratch& one, const DepthMap& map) {
+    survey(rrep, supports, extent, layout, one, view.side, map);
+  };
+  const auto draw = [&](const View& view, const DepthMap& map) {
+    const float across = in_samples(std::max(view.across_mm, view.up_mm));
+    smooth_depth(map, *scratch, {.across = across, .deep = in_samples(view.deep_mm)});
+    shade_depth(map, *scratch, picture, view.left, view.top, kMaterials);
+  };
+  // All at once would need more memory than most stages of a small job.
+  const DepthMap front = map_of(sides[0], 0), side = map_of(sides[1], front.depth.size());
+  const std::size_t walls = views == Views::kThreeSides ? 2 : 1;
+#pragma omp parallel for schedule(static, 1)
+  for (std::size_t i = 0; i < walls; ++i) see(sides[i], room[i], i == 0 ? front : side);
+  draw(sides[0], front);
   if (views == Views::kThreeSides) {
-    draw(Side::kSide, layout.depth, layout.height, layout.side_left, y, z, x);
-    draw(Side::kTop, layout.width, layout.depth, layout.top_left, x, y, z);
+    draw(sides[1], side);
+    const DepthMap top = map_of(sides[2], 0);
+    see(sides[2], room[0], top);
+    draw(sides[2], top);
   }
   return std::optional<Layout>(layout);
 }
