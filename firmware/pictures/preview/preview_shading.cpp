@@ -196,10 +196,10 @@ PLUMBLINE_WIDE void light_samples(const WideBlock& depth, const WideBlock& above
 /// Samples of a line from the one before `first` on; empty outside the map.
 void take_samples(const DepthMap& map, std::ptrdiff_t row, std::ptrdiff_t first, WideBlock& samples) {
   samples.fill(DepthMap::kEmpty);
-  if (row < 0 || row >= std::ptrdiff_t{map.rows}) return;
+  if (row < 0 || row >= static_cast<std::ptrdiff_t>(map.rows)) return;
   const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(first - 1, 0);
-  const std::ptrdiff_t end = std::min(first + kBlockSamples + 1, std::ptrdiff_t{map.columns});
-  std::copy_n(map.depth.begin() + row * std::ptrdiff_t{map.columns} + begin, end - begin,
+  const std::ptrdiff_t end = std::min(first + kBlockSamples + 1, static_cast<std::ptrdiff_t>(map.columns));
+  std::copy_n(map.depth.begin() + row * static_cast<std::ptrdiff_t>(map.columns) + begin, end - begin,
               samples.begin() + (begin - (first - 1)));
 }
 

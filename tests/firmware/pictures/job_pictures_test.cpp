@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <lodepng.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -154,6 +155,15 @@ TEST(CoveragePicture, ShowsTheUndersideBlueAndTheRestAsScanned) {
   EXPECT_GT(blue, pixels / 40) << "the view from below";
   EXPECT_LT(blue, pixels / 4);
   EXPECT_LT(red, blue / 4) << "all else was scanned";
+
+  const auto again = std::make_unique<CoveragePicture>();
+  const int usual = omp_get_max_threads();
+  omp_set_num_threads(3);
+  ASSERT_TRUE(draw_coverage_picture(box.rrep, map, arena, *again));
+  omp_set_num_threads(1);
+  ASSERT_TRUE(draw_coverage_picture(box.rrep, map, arena, *picture));
+  omp_set_num_threads(usual);
+  EXPECT_EQ(again->memory, picture->memory) << "whatever the number of threads";
 
   ASSERT_TRUE(draw_coverage_picture(box.rrep, {}, arena, *picture));
   EXPECT_FALSE(picture->there()) << "a mesh has no map";
