@@ -58,11 +58,11 @@ struct View {
 
 std::size_t views_bytes(const PrintGrid& grid, const Page& page, Views views) {
   const Samples samples(page, views);
-  return 2 * Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
-         4 * Arena::rounded(std::size_t{longer_side(grid)} * sizeof(std::uint32_t)) +
-         Arena::rounded(height_cells(grid) * sizeof(std::uint16_t)) + Arena::rounded(material_bytes(grid)) +
-         Arena::rounded(longer_side(grid)) + Arena::rounded(samples.walls * sizeof(float)) +
-         Arena::rounded(samples.walls) + Arena::rounded(samples.largest * sizeof(float));
+  const std::size_t room = Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
+                           2 * Arena::rounded(std::size_t{longer_side(grid)} * sizeof(std::uint32_t));
+  return room + Arena::rounded(height_cells(grid) * sizeof(std::uint16_t)) + Arena::rounded(material_bytes(grid)) +
+         Arena::rounded(samples.walls * sizeof(float)) + Arena::rounded(samples.walls) +
+         std::max(room + Arena::rounded(longer_side(grid)), Arena::rounded(samples.largest * sizeof(float)));
 }
 
 Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& supports, const Page& page, Views views,
@@ -70,21 +70,19 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
   const PrintGrid& grid = rrep.grid;
   const ArenaScope scope(arena);
   std::array<SurveyScratch, 2> room;  // of two views at once
-  for (SurveyScratch& one : room) {
+  const auto take_room = [&](SurveyScratch& one, std::size_t material_count) -> Status {
     PLUMBLINE_TRY(arena.take_top(one.section, BitImage::words_needed(grid.columns, grid.rows), kStage));
     PLUMBLINE_TRY(arena.take_top(one.nearest, longer_side(grid), kStage));
     PLUMBLINE_TRY(arena.take_top(one.seen, longer_side(grid), kStage));
-  }
+    return arena.take_top(one.materials, material_count, kStage);
+  };
+  PLUMBLINE_TRY(take_room(room[0], material_bytes(grid)));
   PLUMBLINE_TRY(arena.take_top(room[0].heights, height_cells(grid), kStage));
-  PLUMBLINE_TRY(arena.take_top(room[0].materials, material_bytes(grid), kStage));
-  PLUMBLINE_TRY(arena.take_top(room[1].materials, longer_side(grid), kStage));
   const Samples most(page, views);
   const auto samples = arena.take_top<std::uint8_t>(most.walls, kStage);
   PLUMBLINE_TRY(samples);
   const auto depths = arena.take_top<float>(most.walls, kStage);
   PLUMBLINE_TRY(depths);
-  const auto scratch = arena.take_top<float>(most.largest, kStage);
-  PLUMBLINE_TRY(scratch);
 
   draw_background(picture);
   const Extent object = find_extent(rrep, room[0].section);
@@ -109,16 +107,22 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
   const auto see = [&](const View& view, const SurveyScratch& one, const DepthMap& map) {
     survey(rrep, supports, extent, layout, one, view.side, map);
   };
+  std::span<float> scratch;
   const auto draw = [&](const View& view, const DepthMap& map) {
     const float across = in_samples(std::max(view.across_mm, view.up_mm));
-    smooth_depth(map, *scratch, {.across = across, .deep = in_samples(view.deep_mm)});
-    shade_depth(map, *scratch, picture, view.left, view.top, kMaterials);
+    smooth_depth(map, scratch, {.across = across, .deep = in_samples(view.deep_mm)});
+    shade_depth(map, scratch, picture, view.left, view.top, kMaterials);
   };
   // All at once would need more memory than most stages of a small job.
   const DepthMap front = map_of(sides[0], 0), side = map_of(sides[1], front.depth.size());
-  const std::size_t walls = views == Views::kThreeSides ? 2 : 1;
+  {
+    const ArenaScope both(arena);
+    PLUMBLINE_TRY(take_room(room[1], longer_side(grid)));
+    const std::size_t walls = views == Views::kThreeSides ? 2 : 1;
 #pragma omp parallel for schedule(static, 1)
-  for (std::size_t i = 0; i < walls; ++i) see(sides[i], room[i], i == 0 ? front : side);
+    for (std::size_t i = 0; i < walls; ++i) see(sides[i], room[i], i == 0 ? front : side);
+  }
+  PLUMBLINE_TRY(arena.take_top(scratch, most.largest, kStage));
   draw(sides[0], front);
   if (views == Views::kThreeSides) {
     draw(sides[1], side);
