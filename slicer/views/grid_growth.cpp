@@ -57,7 +57,8 @@ bool keeps_scale(const ViewGrid& grid, const ViewGrid& first) {
 
 std::size_t GridGrowth::bytes(std::uint32_t threads) {
   const std::size_t parts = parts_for(threads);
-  return 3 * kSample * sizeof(float) + parts * (sizeof(Part) + kRoom * (3 * sizeof(float) + sizeof(std::uint32_t)));
+  return 3 * kSample * sizeof(float) +
+         parts * (sizeof(Part) + sizeof(std::uint64_t) + kRoom * (3 * sizeof(float) + sizeof(std::uint32_t)));
 }
 
 Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
@@ -67,6 +68,7 @@ Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree,
   const Vec3f size = cloud.bounds().size();
   GridGrowth growth(cloud, tree, view_of, 0.5 * std::sqrt(static_cast<double>(size.dot(size))), *room);
   PLUMBLINE_TRY(arena.take_top(growth.parts_, parts_for(static_cast<std::size_t>(omp_get_max_threads())), kStage));
+  PLUMBLINE_TRY(arena.take_top(growth.told_, growth.parts_.size(), kStage));
   for (Part& part : growth.parts_) {
     part = {};
     for (std::span<float>& axis : part.at) PLUMBLINE_TRY(arena.take_top(axis, kRoom, kStage));
@@ -160,6 +162,7 @@ LocalPoints GridGrowth::take_sample(const Vec3f& middle, double radius) {
 
 /// @param stride  of the sample, at least: the smallest with which the points fit
 const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, std::uint32_t stride) {
+  std::fill(told_.begin(), told_.end(), 0);
   for (Part& part : parts_) {
     part.size = part.taken = part.told = 0;
     part.stride = stride;
@@ -201,13 +204,13 @@ void GridGrowth::tell(Part& part, std::uint32_t thread, std::uint32_t threads) {
   for (std::uint32_t other = 0; other < threads; ++other) {
     std::uint64_t told = 0;
 #pragma omp atomic read
-    told = parts_[other].told;
+    told = told_[other];
     if (other != thread && told >> 32U >= part.stride) all += told & 0xFFFFFFFFU;
   }
   if (all > kSample) part.thin();
   part.told = std::uint64_t{part.stride} << 32U | part.size;
 #pragma omp atomic write
-  parts_[thread].told = part.told;
+  told_[thread] = part.told;
 }
 
 /// Takes the points of a thread: the blocks of the cloud go around.

@@ -55,7 +55,7 @@ class GridGrowth {
     std::size_t size = 0;
     std::size_t taken = 0;  ///< points that are in the sample already
     std::uint32_t stride = 1;
-    std::uint64_t told = 0;  ///< stride times 2^32 plus size, told to the other threads now and then
+    std::uint64_t told = 0;  ///< what the other threads were told last: stride times 2^32, plus size
 
     void thin();
     void take(Part& from, std::size_t end);
@@ -70,7 +70,8 @@ class GridGrowth {
   std::span<const std::uint8_t> view_of_;
   double extent_;  ///< half the diagonal of the scan, mm
   ViewGridFit fit_;
-  std::span<Part> parts_;  ///< of each thread; the last one is the whole
+  std::span<Part> parts_;          ///< of each thread; the last one is the whole
+  std::span<std::uint64_t> told_;  ///< Part::told of each part, for the other threads
 };
 
 }  // namespace plumbline
