@@ -26,7 +26,7 @@ struct OrientationView {
 /// @param spacing  distance of the points from each other, unit of the cloud
 /// @param encoder  made for pictures of at least kPreviewColumns x kPreviewRows
 /// @returns the file, in the encoder's memory, valid until its next use
-/// @retval ErrorCode::kOutOfMemory  the arena or lodepng found no room
+/// @retval ErrorCode::kOutOfMemory  the arena has no room
 [[nodiscard]] Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, float spacing,
                                                                        std::string_view name,
                                                                        std::span<const OrientationView> views,

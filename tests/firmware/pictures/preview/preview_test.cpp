@@ -238,7 +238,7 @@ TEST(Preview, WritesTheSizeThatItIsGivenUpperRight) {
 }
 
 TEST(Preview, HasTheSamePixelsWithAnyNumberOfThreads) {
-  const Solid solid(cube(150, 0.2F), sphere(15, 13));
+  const Solid solid(cubic_grid(150, 150, 0.2F), ball(75, 75, 75, 65));
   const int usual = omp_get_max_threads();
   omp_set_num_threads(1);
   const Drawing alone(solid.rrep);
