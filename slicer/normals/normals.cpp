@@ -20,8 +20,8 @@ constexpr float kSplatAgrees = 0.86602540F;
 constexpr std::uint32_t kCompared = 512;
 constexpr std::uint32_t kOfSurface = 64;
 /// Of the way from the best normals (0) to random ones (1), beyond which they are not the surface's. Scans have up to 0.2, directions to
-/// several scanners 0.6 to 0.7, one direction for all points 1.
-constexpr double kLeastRandom = 0.5;
+/// several scanners 0.6 to 0.7, one direction for all points 0.5 (a flat gear) to 1.
+constexpr double kLeastRandom = 0.35;
 
 /// Whether the directions of the normals are not those of the surface. Programs write one direction for all points, that to the scanner, or
 /// swapped axes.
