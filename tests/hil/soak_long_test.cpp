@@ -57,9 +57,10 @@ TEST(Soak, ThreeThousandLayersOnThe4kPanel) {
   SliceSettings settings = slicing_for(board);
   settings.placement.layer_height_mm = 0.025F;
   auto profile = rig_profile();
-  const auto sliced = session.slice_scan(*scan, settings, std::nullopt, profile, nullptr);
+  // Without supports the peel tears the ball off its tip.
+  const auto sliced = session.slice_scan(*scan, settings, SupportSettings(), profile, nullptr);
   ASSERT_TRUE(sliced) << sliced.error().message();
-  EXPECT_NEAR(session.grid().layers, 3000, 2);
+  EXPECT_GE(session.grid().layers, 3000U);
 
   auto plant_settings = plant_for(board);
   plant_settings.keep_part = false;
