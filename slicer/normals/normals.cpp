@@ -22,6 +22,8 @@ constexpr std::uint32_t kOfSurface = 64;
 /// Of the way from the best normals (0) to random ones (1), beyond which they are not the surface's. Scans have up to 0.2, directions to
 /// several scanners 0.6 to 0.7, one direction for all points 0.5 (a flat gear) to 1.
 constexpr double kLeastRandom = 0.35;
+/// Share of the least of the three variances, above which points are a cloud and no surface. Random points around a point have 0.2 to 0.3.
+constexpr double kOfCloud = 0.1;
 
 /// Whether the directions of the normals are not those of the surface. Programs write one direction for all points, that to the scanner, or
 /// swapped axes.
@@ -42,7 +44,7 @@ bool are_foreign(const Cloud& cloud, const KdTree3& tree) {
     const PrincipalAxes around = principal_axes(cloud.position[i], std::span(found).first(count), cloud.position);
     const Vec3d& variance = around.variance;
     const double sum = variance[0] + variance[1] + variance[2];
-    if (!(sum > 0)) continue;
+    if (!(variance[0] < kOfCloud * sum)) continue;
     const Vec3d normal = cloud.normal[i].unpack().cast<double>();
     for (int axis = 0; axis < 3; ++axis) {
       const double along = around.axes.col(axis).dot(normal);

@@ -22,7 +22,7 @@ constexpr std::array<std::uint32_t, 5> kPlaces = {4096, 4096, 8192, 8192, 16384}
 /// The same after the last step. They show how much closer the views have come, which decides whether the views are moved.
 constexpr std::uint32_t kLastPlaces = kPlaces.front();
 /// Places whose points are kept. Each step measures them, or a part of them that is evenly spread.
-constexpr std::uint32_t kKept = 8192;
+constexpr std::uint32_t kKept = 4096;
 constexpr std::uint32_t kMotionSample = 65536;  ///< points, at least, whose motions are averaged
 constexpr std::uint32_t kChunk = 64;            ///< places measured in parallel before they are summed up in order
 constexpr std::size_t kStepsWithoutRipple = 2;  ///< first steps: the residuals of misaligned views look like ripple
