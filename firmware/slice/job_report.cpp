@@ -340,7 +340,7 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
   }
   if (slice.normals.estimated > 0) {
     text = {};
-    text.add("%u points of the scan have no normal; normals were estimated from neighbouring points",
+    text.add("%u points of the scan have no usable normal; normals were estimated from neighbouring points",
              slice.normals.estimated);
     visit({PrinterCode::kNormalsEstimated, {{Fact::kPoints, slice.normals.estimated}}}, text.view());
   }

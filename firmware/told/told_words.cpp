@@ -214,7 +214,7 @@ constexpr std::array kTold{
          "Unter Einstellungen kippen oder die beste Lage suchen."}},
     Row{kNormalsEstimated,
         "normals_estimated",
-        {"{points} Punkte ohne Normale, sie ist aus den Nachbarn geschätzt", {}}},
+        {"{points} Punkte ohne brauchbare Normale, sie ist aus den Nachbarn geschätzt", {}}},
 
     Row{kMayShowMark,
         "may_show_mark",

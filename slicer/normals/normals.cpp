@@ -17,7 +17,7 @@ namespace {
 constexpr float kSplatAgrees = 0.86602540F;
 
 // Points at which the scan's normals are compared with the surface, and the nearest points that stand for it: enough to be wider than noise.
-constexpr std::uint32_t kCompared = 512;
+constexpr std::uint32_t kCompared = 256;
 constexpr std::uint32_t kOfSurface = 64;
 /// Of the way from the best normals (0) to random ones (1), beyond which they are not the surface's. Scans have up to 0.2, directions to
 /// several scanners 0.6 to 0.7, one direction for all points 0.5 (a flat gear) to 1.

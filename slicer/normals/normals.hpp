@@ -36,8 +36,8 @@ std::size_t normals_bytes(std::uint32_t points);
                                                        const StageProgress& progress = {},
                                                        NormalSides sides = NormalSides::kKnown);
 
-/// Estimates missing normals, and all whose directions are not the surface's, like kUnknown. If the scan has some of its own, also turns over those that face into the object: see
-/// turn_flipped_normals().
+/// Estimates missing normals, and all of them where their directions are not the surface's, as with NormalSides::kUnknown. If the scan has
+/// some of its own, also turns over those that face into the object: see turn_flipped_normals().
 ///
 /// @param cloud  as for estimate_normals()
 /// @retval ErrorCode::kOutOfMemory, kCancelled

@@ -274,7 +274,7 @@ TEST(JobWarnings, NameUnitsSizeThinningHolesAndNormals) {
   EXPECT_THAT(lines[1].c_str(), HasSubstr("the object is 700 mm long"));
   EXPECT_THAT(lines[2].c_str(), HasSubstr("cells of 0.2 mm, coarser than the pixels of 0.05 mm"));
   EXPECT_THAT(lines[4].c_str(), HasSubstr("the underside (1.1 % of the surface) was not scanned and had to be closed"));
-  EXPECT_THAT(lines[3].c_str(), HasSubstr("5 points of the scan have no normal"));
+  EXPECT_THAT(lines[3].c_str(), HasSubstr("5 points of the scan have no usable normal"));
   for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
 }
 
