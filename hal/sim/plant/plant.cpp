@@ -22,6 +22,11 @@ constexpr Distance kRoomToClean = 20_mm;
   return line.data();
 }
 
+CuredPart empty_plate(const PlantSettings& settings) {
+  const PanelModel::Build& panel = settings.panel;
+  return {panel.columns, panel.rows, panel.pitch_x_mm, panel.pitch_y_mm, settings.peel, settings.keep_part};
+}
+
 }  // namespace
 
 Plant::Plant(const PlantSettings& settings)
@@ -31,8 +36,7 @@ Plant::Plant(const PlantSettings& settings)
       stage_(timeline_, settings.stage),
       lamp_(settings.lamp.irradiance, settings.lamp_rise, settings.lamp_fall),
       thermals_(settings.room),
-      part_(settings.panel.columns, settings.panel.rows, settings.panel.pitch_x_mm, settings.panel.pitch_y_mm,
-            settings.peel, settings.keep_part),
+      part_(empty_plate(settings)),
       stick_(settings.stick),
       last_stick_(settings.stick) {
   panel_.on_change = [this] {
@@ -72,6 +76,15 @@ void Plant::open_cover() {
 }
 
 void Plant::clean_film() { part_.hanging().clean_film(); }
+
+void Plant::take_part_off() {
+  part_ = empty_plate(settings_);
+  lights_.clear();
+  settings_.layers_on_plate = 0;
+  judged_ = 0;
+  objection_of_loss_.clear();
+  uncured_layer_ = 1;
+}
 
 void Plant::close_cover() {
   if (!cover_open_ || has_fault(FaultKind::kCoverSwitchDead)) return;

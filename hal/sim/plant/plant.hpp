@@ -95,6 +95,9 @@ class Plant {
   void pull_stick();
   /// Takes out what lies on the film. Whoever opens the cover while the plate is out of the way does that, too.
   void clean_film();
+  /// Takes the part off the plate and forgets it with its light: layers count from 0 again. Objections stay. After conclude(), if the
+  /// last layer is to be judged.
+  void take_part_off();
   void press(EventKind button) { push_event(button); }
   void inject(const Fault& fault);
 
@@ -110,8 +113,8 @@ class Plant {
   // Results.
   std::span<const Objection> objections() const { return objections_; }
   const CuredPart& part() const { return part_; }
-  std::span<const LightRecord> lights() const { return lights_; }
-  /// Judges the last layer. Call it once, when the job is over.
+  std::span<const LightRecord> lights() const { return lights_; }  ///< since the plate was empty
+  /// Judges the last layer. Call it once a job, when that is over.
   void conclude(JobEnd end);
   bool light() const { return light_; }
 

@@ -247,6 +247,33 @@ TEST(Plant, PrintsTheNextPartOnACleanFilm) {
   EXPECT_THAT(layers, testing::ElementsAre(3, 8)) << "the plant counts on";
 }
 
+TEST(Plant, PrintsOnThePlateFromWhichThePartWasTaken) {
+  PlantSettings settings = small_printer({"compute.slow@layer=2,by=0.1"});
+  settings.layers_on_plate = 3;
+  settings.height_on_plate = ZPosition(10_um);
+  Plant plant(settings);
+  SimMachine machine(plant);
+  const auto print = [&](std::uint32_t layers) {
+    const auto printed = print_layers(machine.machine(), {.layers = layers, .draw = draw_block});
+    ASSERT_TRUE(printed) << printed.error().message();
+    plant.conclude(JobEnd::kFinished);
+  };
+  for (int part = 0; part < 2; ++part) {
+    print(5);
+    EXPECT_EQ(plant.has_fault(FaultKind::kComputeSlow), part == 1) << "the first begins with layer 3";
+    plant.take_part_off();
+    EXPECT_THAT(plant.part().layers(), IsEmpty());
+    EXPECT_THAT(plant.lights(), IsEmpty());
+  }
+  print(4);
+  ASSERT_THAT(kinds_of(plant.objections()), testing::Each(ObjectionKind::kDropped))
+      << "nothing was pressed into the film";
+  std::vector<std::uint32_t> dropped;
+  for (const Objection& objection : plant.objections()) dropped.push_back(objection.loss->layer);
+  EXPECT_THAT(dropped, testing::ElementsAre(6, 3, 3));
+  EXPECT_THAT(plant.lights(), SizeIs(4));
+}
+
 TEST(Plant, CuresDownFacingSurfacesAsDeepAsTheWorkingCurve) {
   // A bridge whose underside is layer 6. Its first layer cures Dp ln(E / Ec) deep from its own lower side.
   PlantSettings settings = small_printer();
