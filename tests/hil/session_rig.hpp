@@ -89,6 +89,16 @@ class ScriptedUser final : public DaemonObserver {
     if (++idle_turns > 20'000) plant_.press(EventKind::kShutdownRequested);  // over an hour: the script has ended
   }
 
+  /// Drops all records, so that a long test's memory is that of the firmware.
+  void forget() {
+    said.clear();
+    states.clear();
+    reports.clear();
+    profiles.clear();
+    scans.clear();
+    hashes.clear();
+  }
+
   std::multimap<std::string, std::function<void()>> on_words;
   std::function<void()> on_printed;
   std::function<void()> on_slicing;  ///< at every look at the child
