@@ -72,7 +72,7 @@ class Sheets {
   }
   void find_sides(DipoleField& field, FirstSide rule);
   void find_other_sides(DipoleField& field);
-  void find_sides_by_field(const DipoleField& field, std::uint32_t first, std::uint32_t last);
+  void find_sides_by_field(const DipoleField& field, std::span<Sheet> sheets);
   void sample(const DipoleField& field, std::span<Sheet> sheets, std::uint32_t most);
   bool first_is_inside_out(const DipoleField& field);
   bool is_height_field() const;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -73,6 +74,24 @@ TEST(FlippedNormals, AreOnlyThoseThatContradictOthers) {
 TEST(FlippedNormals, OfAFoilDoNotContradictEachOther) {
   Random random(1);
   EXPECT_FALSE(sliced(box({0, 0, 0}, {20, 20, 0.05}, kSpacing, 0.4, random)).report().normals.contradictory);
+}
+
+// The plate is the largest sheet. By its field alone, the block's lid seems to face the wrong way.
+TEST(FlippedNormals, OfABlockOnAPlateAreRight) {
+  Random random(1);
+  Surface scan = box({-6, -6, 0}, {6, 6, 25}, kSpacing, 0.3, random);
+  append(scan, sheet({-20, -20, 0}, {40, 0, 0}, {0, 40, 0}, kSpacing, 0.3, random));
+  // No points on edges, where they could join the lid to a wall, and none below the block.
+  std::erase_if(scan, [](const SurfacePoint& p) {
+    const auto beside = [](double x, double edge) { return std::abs(std::abs(x) - edge) < 0.1 ? 1 : 0; };
+    const Vec3d& at = p.position;
+    return beside(at[0], 6) + beside(at[1], 6) + beside(at[2], 25) > 1 ||
+           (at[2] == 0 && at.head<2>().cwiseAbs().maxCoeff() < 6.1);
+  });
+  const auto turned = [](const Surface& surface) { return sliced(surface).report().normals.turned; };
+  EXPECT_EQ(turned(scan), 0U);
+  const std::uint32_t lid = turn(scan, [](const Vec3d& p) { return p[2] == 25; });
+  EXPECT_NEAR(turned(scan), lid, 0.02 * lid);
 }
 
 TEST(FlippedNormals, OfAValleyAreRight) {
