@@ -101,7 +101,8 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
 Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress,
                                         NormalSides sides) {
   const auto normals = cloud.normal.first(cloud.size);
-  const auto missing = std::count_if(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); });
+  const auto missing = static_cast<std::uint32_t>(
+      std::count_if(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); }));
   if (missing < cloud.size && are_foreign(cloud, tree)) sides = NormalSides::kUnknown;
   NormalCounts counts;
   if (missing > 0 || sides == NormalSides::kUnknown) {
@@ -109,7 +110,7 @@ Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena
     PLUMBLINE_TRY(estimated);
     counts.estimated = *estimated;
   }
-  if (static_cast<std::uint32_t>(missing) == cloud.size || sides == NormalSides::kUnknown) return counts;
+  if (missing == cloud.size || sides == NormalSides::kUnknown) return counts;
   auto turned = turn_flipped_normals(cloud, tree, arena, missing > 0 ? progress.part(0.7, 1) : progress);
   if (turned) turned->estimated = counts.estimated;
   return turned;
