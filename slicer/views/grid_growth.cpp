@@ -164,7 +164,8 @@ LocalPoints GridGrowth::take_sample(const Vec3f& middle, double radius) {
 const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, std::uint32_t stride) {
   std::fill(told_.begin(), told_.end(), 0);
   for (Part& part : parts_) {
-    part.size = part.taken = part.told = 0;
+    part.size = part.taken = 0;
+    part.told = 0;
     part.stride = stride;
   }
 #pragma omp parallel

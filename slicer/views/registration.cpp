@@ -189,7 +189,7 @@ class Registrar {
   bool measure_place(SharedPlace& place, std::uint32_t k, std::uint32_t places) {
     PlacePoints here;
     const bool is_kept = std::uint64_t{k} * kKept % places == 0;
-    PlacePoints& near = is_kept ? kept_[std::uint64_t{k} * kKept / places] : here;
+    PlacePoints& near = is_kept ? kept_[static_cast<std::size_t>(std::uint64_t{k} * kKept / places)] : here;
     if (near.size == PlacePoints::kUnknown) near.find(cloud_, tree_, views_, cloud_.sampled(k, places));
     return place.measure(views_, near);
   }
