@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "slicer/core/numbers/mib.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
@@ -62,7 +63,7 @@ Expected<std::size_t> RereadSource::read(std::span<std::byte> buffer) {
         ErrorCode::kOutOfMemory,
         "%s: the file is read twice, this one comes through a pipe, and the arena has only %.1f MiB for a copy.\t"
         "Give it as a file, or use a larger arena (--arena-mib)",
-        PrintableText(name(), 96).c_str(), static_cast<double>(kept_.size()) / (1024.0 * 1024.0));
+        PrintableText(name(), 96).c_str(), mib(kept_.size()));
   }
   std::memcpy(kept_.data() + filled_, buffer.data(), *got);
   filled_ += *got;

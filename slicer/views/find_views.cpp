@@ -128,7 +128,7 @@ class ViewFinder {
   bool claim(std::uint32_t view, const GrownGrid& grid) {
     const std::uint32_t least = std::max(kMinViewPoints, cloud_.size / kMinViewShare);
     // Most grids that fail are those of views that have their points already: a part of the blocks tells.
-    if (count_on(grid, kNoView) * thinning_ < least / kRoughly) return false;
+    if (count_free_on(grid) * thinning_ < least / kRoughly) return false;
     std::uint32_t count = 0;
 #pragma omp parallel for schedule(static) reduction(+ : count)
     for (std::uint32_t first = 0; first < cloud_.size; first += kBlock) {
@@ -206,13 +206,13 @@ class ViewFinder {
       for (const std::uint8_t k : std::span(on).first(count)) use(first + k);
     }
   }
-  /// How many points for_each_on() would use.
-  std::uint32_t count_on(const GrownGrid& grid, std::uint32_t view) const {
+  /// How many free points for_each_on() would use.
+  std::uint32_t count_free_on(const GrownGrid& grid) const {
     std::uint32_t sum = 0;
 #pragma omp parallel for schedule(static) reduction(+ : sum)
     for (std::uint32_t first = 0; first < cloud_.size; first += thinning_ * kBlock) {
       std::array<std::uint8_t, kBlock> on;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-      sum += find_on(grid, view, first, on);
+      sum += find_on(grid, kNoView, first, on);
     }
     return sum;
   }
@@ -283,11 +283,11 @@ class ViewFinder {
   void grow_again(std::uint32_t view) {
     relabel(view, kNoView);
     GrownGrid best = grids_[view];
-    std::uint32_t most = count_on(best, kNoView);
+    std::uint32_t most = count_free_on(best);
     const auto try_from = [&](const ViewGrid& grid, double radius) {
       const auto grown = growth_->grow(grid, radius);
       if (!grown) return;
-      const std::uint32_t count = count_on(*grown, kNoView);
+      const std::uint32_t count = count_free_on(*grown);
       if (count <= most) return;
       most = count;
       best = *grown;

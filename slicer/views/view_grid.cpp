@@ -102,6 +102,16 @@ PLUMBLINE_WIDE void measure_within(const FlatGrid& grid, const Vec3f& middle, fl
   }
 }
 
+/// Of kLanes points, whose coordinates lie one after another.
+PLUMBLINE_INLINE void distance2_at(Lanes& distance2, const FlatGrid& grid, const float* x, const float* y,
+                                   const float* z) {
+  Lanes px, py, pz;
+  load(px, x);
+  load(py, y);
+  load(pz, z);
+  distance2_of(distance2, grid, px, py, pz);
+}
+
 constexpr std::size_t kMaxWidths = 8;
 
 /// @param limits2  of the distances
@@ -109,11 +119,8 @@ PLUMBLINE_WIDE void add_counts(const FlatGrid& grid, const float* x, const float
                                const float* limits2, std::size_t limits, std::uint32_t* counts) {
   IntLanes within[kMaxWidths] = {};  // NOLINT(cppcoreguidelines-avoid-c-arrays)
   for (std::size_t i = 0; i < size; i += kLanes) {
-    Lanes px, py, pz, distance2;
-    load(px, x + i);
-    load(py, y + i);
-    load(pz, z + i);
-    distance2_of(distance2, grid, px, py, pz);
+    Lanes distance2;
+    distance2_at(distance2, grid, x + i, y + i, z + i);
     for (std::size_t k = 0; k < limits; ++k) within[k] += distance2 < limits2[k];
   }
   for (std::size_t k = 0; k < limits; ++k) counts[k] -= static_cast<std::uint32_t>(sum(within[k]));
@@ -122,11 +129,8 @@ PLUMBLINE_WIDE void add_counts(const FlatGrid& grid, const float* x, const float
 PLUMBLINE_WIDE void measure_distances2(const FlatGrid& grid, const float* x, const float* y, const float* z,
                                        std::size_t size, float* distances2) {
   for (std::size_t i = 0; i < size; i += kLanes) {
-    Lanes px, py, pz, distance2;
-    load(px, x + i);
-    load(py, y + i);
-    load(pz, z + i);
-    distance2_of(distance2, grid, px, py, pz);
+    Lanes distance2;
+    distance2_at(distance2, grid, x + i, y + i, z + i);
     store(distances2 + i, distance2);
   }
 }
