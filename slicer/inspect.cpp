@@ -8,6 +8,7 @@
 #include "slicer/mesh_slicing.hpp"
 #include "slicer/preparation.hpp"
 #include "slicer/rrep_building.hpp"
+#include "slicer/source_checks.hpp"
 
 namespace plumbline {
 namespace {

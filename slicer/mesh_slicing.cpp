@@ -6,9 +6,10 @@
 #include "slicer/mesh/hit_resolver.hpp"
 #include "slicer/mesh/mesh_dipoles.hpp"
 #include "slicer/mesh/mesh_reading.hpp"
+#include "slicer/orientation/orientations.hpp"
 #include "slicer/plan/mesh_plan.hpp"
-#include "slicer/preparation.hpp"
 #include "slicer/reader/scan_reader.hpp"
+#include "slicer/source_checks.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,7 +1,5 @@
 #include "slicer/preparation.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +8,7 @@
 #include "slicer/mesh_slicing.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/plan/scan_admission.hpp"
-#include "slicer/rays/ray_shooter.hpp"
+#include "slicer/source_checks.hpp"
 #include "slicer/surface/surface_points.hpp"
 
 namespace plumbline {
@@ -20,23 +18,11 @@ namespace {
 /// no points are merged that a print could resolve.
 constexpr double kCellShare = 0.5;
 
-/// An object whose longest side has fewer pixels is in another unit: nobody wants to print one so small.
-constexpr double kFewestPixels = 8;
-
-double finest_pitch(const PlacementSettings& p) {
-  return static_cast<double>(p.printer ? std::min(p.printer->pitch_x_mm, p.printer->pitch_y_mm) : p.pixel_pitch_mm);
-}
-
 /// First cell of the thinning in scan units; 0 while the size of a scan unit on the print is unknown.
 double first_cell(const PlacementSettings& p) {
   if (p.fit || p.size || p.units == Units::kAuto) return 0;
-  return kCellShare * std::min(finest_pitch(p), static_cast<double>(p.layer_height_mm)) /
+  return kCellShare * std::min(p.finest_pitch_mm(), static_cast<double>(p.layer_height_mm)) /
          (millimetres_per(p.units) * p.scale);
-}
-
-PlacementSettings with_units(PlacementSettings settings, Units units) {
-  settings.units = units;
-  return settings;
 }
 
 void rotate(PreparedScan& scan, const Mat3d& rotation) {
@@ -89,7 +75,7 @@ class Preparation {
     auto admission = ScanAdmission::create(arena_.available(), panel, settings_.threads, settings_.confidence);
     PLUMBLINE_TRY(admission);
     const CloudReadSettings reading{rotation_matrix(placement.rotation_degrees), first_cell(placement),
-                                    first_cell(with_units(placement, Units::kMillimetres))};
+                                    first_cell(placement.with_units(Units::kMillimetres))};
     const auto admit = [&](const ScanAnnouncement& announced) -> Expected<std::uint32_t> {
       PLUMBLINE_TRY(check_units(sources_, placement.units, announced.some_in_mm, announced.some_in_any_unit));
       return admission->admit(announced);
@@ -270,57 +256,6 @@ Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena
   return read_mesh_or_scan(sources, settings, arena, progress, report, of_mesh, of_scan);
 }
 
-Expected<Orientation> best_way_up(const Cloud& cloud, Arena& arena, const StageProgress& progress) {
-  const ArenaScope scope(arena);
-  const auto samples = sample_surface(cloud, arena);
-  PLUMBLINE_TRY(samples);
-  const auto best = best_orientations(*samples, progress);
-  if (!best) return fail(ErrorCode::kCancelled, "cancelled while looking for the best orientation");
-  return best->front();
-}
-
-Status check_units(ScanSources sources, Units units, bool some_in_mm, bool some_in_any_unit) {
-  if (!some_in_mm || !some_in_any_unit || units == Units::kAuto || units == Units::kMillimetres) return {};
-  return fail(ErrorCode::kBadSetting,
-              "%s: the E57 and 3MF files are in mm once they are read, the others would be in %s.\tExport all files as "
-              "one of these, or the others in mm, and leave out the units",
-              title_of(sources).c_str(), to_string(units));
-}
-
-Status check_units(ScanSources sources, Units units, PreparationCounts& report) {
-  if (!report.scan.header.is_in_mm) return {};
-  const auto scans = report.scans.all();
-  const bool all =
-      std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; });
-  PLUMBLINE_TRY(check_units(sources, units, true, !all));
-  if (units == Units::kCentimetres || units == Units::kInches) report.ignored_units = units;
-  return {};
-}
-
-PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeader& header) {
-  return header.is_in_mm ? with_units(settings, Units::kMillimetres) : settings;
-}
-
-Status check_extent(const Box3d& bounds, ScanSources sources) {
-  if (bounds.size().maxCoeff() > 0) return {};
-  return telling(Told(ToldCode::kTooSmall, {{Fact::kLongestMm, 0.0}}),
-                 fail(ErrorCode::kNoSurface, "%s: all of it lies at one place, %.6g %.6g %.6g.\tExport it again",
-                      title_of(sources).c_str(), bounds.low[0], bounds.low[1], bounds.low[2]));
-}
-
-Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings, bool is_in_mm) {
-  PLUMBLINE_TRY(check_extent(bounds, sources));
-  const double longest = bounds.size().maxCoeff() * millimetres_per(units_of(bounds, settings)) * settings.scale;
-  if (settings.fit || settings.size || longest >= kFewestPixels * finest_pitch(settings)) return {};
-  const char* const advice = is_in_mm ? "Give a size, such as --height 80mm, or --scale"
-                                      : "Use --units m or --units cm if the scan is in those, or give a size, such as "
-                                        "--height 80mm";
-  return telling(
-      Told(ToldCode::kTooSmall, {{Fact::kLongestMm, longest}}),
-      fail(ErrorCode::kNoSurface, "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\t%s",
-           title_of(sources).c_str(), longest, kFewestPixels, advice));
-}
-
 Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
                      const PlacementSettings& settings) {
   if (scan.cloud.size > 0) {
@@ -353,10 +288,6 @@ Status check_surface(const PreparedScan& scan, ScanSources sources, const Prepar
            title.c_str(), points));
 }
 
-Units units_of(const Box3d& bounds, const PlacementSettings& settings) {
-  return settings.units == Units::kAuto ? guess_units(bounds.size().maxCoeff()) : settings.units;
-}
-
 void move_to_print(const Placement& placement, PreparedScan& scan, const PreparationReport& found,
                    SliceReport& report) {
   const double scale = placement.scale;
@@ -368,13 +299,6 @@ void move_to_print(const Placement& placement, PreparedScan& scan, const Prepara
   report.placement.rotation = scan.turned * placement.rotation;
   if (scan.floor) report.floor_mm = static_cast<float>(static_cast<double>(*scan.floor) * scale + shift[2]);
   report.lengths = in_mm(found.lengths, ScanScale(scale));
-}
-
-SliceSettings set_threads(const SliceSettings& settings) {
-  SliceSettings checked = settings;
-  checked.threads = std::clamp<std::uint32_t>(settings.threads, 1, RayShooter::kMaxThreads);
-  omp_set_num_threads(static_cast<int>(checked.threads));
-  return checked;
 }
 
 }  // namespace plumbline

@@ -54,47 +54,11 @@ using NormalsLook = FunctionRef<Status(const PreparedScan& scan)>;
 [[nodiscard]] Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                      ProgressSink* progress, PreparationReport& report, NormalsLook look);
 
-/// The best way up of a surface with normals.
-/// @retval ErrorCode::kOutOfMemory, kCancelled
-[[nodiscard]] Expected<Orientation> best_way_up(const Cloud& cloud, Arena& arena, const StageProgress& progress);
-
-/// Tests that files whose format fixes their unit share a frame only with others of that unit.
-/// @param some_in_mm        some files are of such a format
-/// @param some_in_any_unit  some are not
-/// @retval ErrorCode::kBadSetting  both, and the others would be in another unit
-[[nodiscard]] Status check_units(ScanSources sources, Units units, bool some_in_mm, bool some_in_any_unit);
-/// The same once all files are read. Notes a unit that is ignored for them.
-/// @param report  its scans are known
-/// @retval ErrorCode::kBadSetting  only some of the files are in mm whatever unit is asked for
-[[nodiscard]] Status check_units(ScanSources sources, Units units, PreparationCounts& report);
-
-/// The settings with the unit that the format of the scan fixes, if it fixes one.
-/// @param header  sum_of() the files
-PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeader& header);
-
-/// @retval ErrorCode::kNoSurface  all points or corners lie at one place: names the files
-[[nodiscard]] Status check_extent(const Box3d& bounds, ScanSources sources);
-
-/// @param bounds    of the scan, rotated scan coordinates
-/// @param is_in_mm  ScanHeader::is_in_mm
-/// @retval ErrorCode::kNoSurface  the object would be a speck: names the files, its size, and what to do
-[[nodiscard]] Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings,
-                                    bool is_in_mm);
-
 /// @retval ErrorCode::kNoSurface  the object is a speck, or the scan has no surface: names the files and what to do
 [[nodiscard]] Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
                                    const PlacementSettings& settings);
 
-/// The unit asked for, or the one that the extent suggests.
-/// @param bounds    of the scan, scan units
-/// @param settings  of a scan: after heed_header()
-Units units_of(const Box3d& bounds, const PlacementSettings& settings);
-
 /// Moves the cloud from scan units to print coordinates, mm, and sets the report's placement and lengths.
 void move_to_print(const Placement& placement, PreparedScan& scan, const PreparationReport& found, SliceReport& report);
-
-/// Sets the number of OpenMP threads.
-/// @returns `settings` with 1 to RayShooter::kMaxThreads threads
-SliceSettings set_threads(const SliceSettings& settings);
 
 }  // namespace plumbline

@@ -28,4 +28,8 @@ struct SliceSettings {
   std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
 };
 
+/// Sets the number of OpenMP threads.
+/// @returns `settings` with 1 to RayShooter::kMaxThreads threads
+SliceSettings set_threads(const SliceSettings& settings);
+
 }  // namespace plumbline

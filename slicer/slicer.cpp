@@ -4,6 +4,7 @@
 #include "slicer/placement/core_bounds.hpp"
 #include "slicer/preparation.hpp"
 #include "slicer/rrep_building.hpp"
+#include "slicer/source_checks.hpp"
 
 namespace plumbline {
 namespace {

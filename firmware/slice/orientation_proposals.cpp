@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "slicer/preparation.hpp"
+#include "slicer/source_checks.hpp"
 
 namespace plumbline {
 namespace {

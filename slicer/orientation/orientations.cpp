@@ -188,6 +188,15 @@ std::optional<std::array<Orientation, kBestOrientations>> best_orientations(cons
   return best;
 }
 
+Expected<Orientation> best_way_up(const Cloud& cloud, Arena& arena, const StageProgress& progress) {
+  const ArenaScope scope(arena);
+  const auto samples = sample_surface(cloud, arena);
+  PLUMBLINE_TRY(samples);
+  const auto best = best_orientations(*samples, progress);
+  if (!best) return fail(ErrorCode::kCancelled, "cancelled while looking for the best orientation");
+  return best->front();
+}
+
 std::optional<Orientation> better_upright(const SurfaceSamples& samples) {
   const OrientationCost now = cost_of(samples, {0, 0});
   Orientation best{{0, 0}, now};

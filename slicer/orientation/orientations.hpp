@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <optional>
 
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/orientation/surface_samples.hpp"
 
@@ -39,6 +42,10 @@ inline constexpr std::size_t kBestOrientations = 4;
 /// @returns none if progress says to stop
 std::optional<std::array<Orientation, kBestOrientations>> best_orientations(const SurfaceSamples& samples,
                                                                             const StageProgress& progress);
+
+/// The best way up of a surface with normals.
+/// @retval ErrorCode::kOutOfMemory, kCancelled
+[[nodiscard]] Expected<Orientation> best_way_up(const Cloud& cloud, Arena& arena, const StageProgress& progress);
 
 /// A rotation by quarter turns that puts a scan upright which plainly is not: the one that costs least, if it costs less than three
 /// quarters of what the present one does, and if there is evidence: the hole faces down there and not now, or the object

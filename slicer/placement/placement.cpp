@@ -62,6 +62,16 @@ const char* to_string(Side side) {
   return "unknown";
 }
 
+PlacementSettings PlacementSettings::with_units(Units other) const {
+  PlacementSettings settings = *this;
+  settings.units = other;
+  return settings;
+}
+
+double PlacementSettings::finest_pitch_mm() const {
+  return static_cast<double>(printer ? std::min(printer->pitch_x_mm, printer->pitch_y_mm) : pixel_pitch_mm);
+}
+
 double scale_of(const Vec3d& extent_mm, const PlacementSettings& settings) {
   if (!settings.size) return settings.scale;
   const Side side = settings.size->side;

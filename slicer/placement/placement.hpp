@@ -60,6 +60,9 @@ struct PlacementSettings {
   float layer_height_mm = 0.05F;
   PlacementRoom room;                    ///< kept by `fit`, and in a grid of the object's own
   std::optional<PrinterVolume> printer;  ///< none: the grid is as large as the object
+
+  PlacementSettings with_units(Units other) const;
+  double finest_pitch_mm() const;  ///< of a pixel, along x or y
 };
 
 /// The scale of the print without `fit`: the one asked for, or the one that makes the size asked for.

@@ -12,7 +12,7 @@
 #include "firmware/slice/manifest.hpp"
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/plan/mesh_plan.hpp"
-#include "slicer/preparation.hpp"
+#include "slicer/source_checks.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,0 +1,59 @@
+#include "slicer/source_checks.hpp"
+
+#include <algorithm>
+
+namespace plumbline {
+namespace {
+
+/// An object whose longest side has fewer pixels is in another unit: nobody wants to print one so small.
+constexpr double kFewestPixels = 8;
+
+}  // namespace
+
+Status check_units(ScanSources sources, Units units, bool some_in_mm, bool some_in_any_unit) {
+  if (!some_in_mm || !some_in_any_unit || units == Units::kAuto || units == Units::kMillimetres) return {};
+  return fail(ErrorCode::kBadSetting,
+              "%s: the E57 and 3MF files are in mm once they are read, the others would be in %s.\tExport all files as "
+              "one of these, or the others in mm, and leave out the units",
+              title_of(sources).c_str(), to_string(units));
+}
+
+Status check_units(ScanSources sources, Units units, PreparationCounts& report) {
+  if (!report.scan.header.is_in_mm) return {};
+  const auto scans = report.scans.all();
+  const bool all =
+      std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; });
+  PLUMBLINE_TRY(check_units(sources, units, true, !all));
+  if (units == Units::kCentimetres || units == Units::kInches) report.ignored_units = units;
+  return {};
+}
+
+PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeader& header) {
+  return header.is_in_mm ? settings.with_units(Units::kMillimetres) : settings;
+}
+
+Status check_extent(const Box3d& bounds, ScanSources sources) {
+  if (bounds.size().maxCoeff() > 0) return {};
+  return telling(Told(ToldCode::kTooSmall, {{Fact::kLongestMm, 0.0}}),
+                 fail(ErrorCode::kNoSurface, "%s: all of it lies at one place, %.6g %.6g %.6g.\tExport it again",
+                      title_of(sources).c_str(), bounds.low[0], bounds.low[1], bounds.low[2]));
+}
+
+Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings, bool is_in_mm) {
+  PLUMBLINE_TRY(check_extent(bounds, sources));
+  const double longest = bounds.size().maxCoeff() * millimetres_per(units_of(bounds, settings)) * settings.scale;
+  if (settings.fit || settings.size || longest >= kFewestPixels * settings.finest_pitch_mm()) return {};
+  const char* const advice = is_in_mm ? "Give a size, such as --height 80mm, or --scale"
+                                      : "Use --units m or --units cm if the scan is in those, or give a size, such as "
+                                        "--height 80mm";
+  return telling(
+      Told(ToldCode::kTooSmall, {{Fact::kLongestMm, longest}}),
+      fail(ErrorCode::kNoSurface, "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\t%s",
+           title_of(sources).c_str(), longest, kFewestPixels, advice));
+}
+
+Units units_of(const Box3d& bounds, const PlacementSettings& settings) {
+  return settings.units == Units::kAuto ? guess_units(bounds.size().maxCoeff()) : settings.units;
+}
+
+}  // namespace plumbline
