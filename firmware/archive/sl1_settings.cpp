@@ -52,6 +52,8 @@ Status read_sl1_settings(std::string_view text, Sl1Settings& settings) {
   const Rule rules[] = {
       {"layer_height", 0.005, 1, &settings.layer_height_mm},
       {"layerHeight", 0.005, 1, &settings.layer_height_mm},
+      {"initial_layer_height", 0.005, 1, &settings.first_layer_height_mm},
+      {"layerHeightFirst", 0.005, 1, &settings.first_layer_height_mm},
       {"exposure_time", 0.1, 1000, &settings.exposure_s},
       {"expTime", 0.1, 1000, &settings.exposure_s},
       {"initial_exposure_time", 0.1, 1000, &settings.initial_exposure_s},

@@ -27,6 +27,7 @@ inline constexpr const char* kSl1Layer = "layer";
 /// What was read of an archive's settings. Each number is plausible; the printer's limits are checked elsewhere.
 struct Sl1Settings {
   std::optional<double> layer_height_mm;
+  std::optional<double> first_layer_height_mm;  ///< its mask is as high as this
   std::optional<double> exposure_s, initial_exposure_s;
   std::optional<std::uint32_t> faded_layers;
   std::optional<std::uint32_t> layers;                        ///< of the print

@@ -410,8 +410,7 @@ Status PrinterDaemon::resume() {
 }
 
 void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
-  record_.resin = ResinRecord{static_cast<double>(session.facts().cured_pixels) * session.pixel_ml(),
-                              settings_.machine.tank_volume_ml};
+  record_.resin = ResinRecord{session.needed_ml(), settings_.machine.tank_volume_ml};
   const PrintReport& report = session.print(machine_, observer_, &plate_);
   observer_.printed(report, session, profile);
   store_reports();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <memory>
 #include <new>
 
@@ -25,13 +26,24 @@ void threshold(std::span<const unsigned char> line, std::uint32_t columns, std::
   }
 }
 
-/// Puts a row of the file where it lies on the plate.
+/// The same of colours: red, green, blue and opacity, 8 bits each.
+void threshold_colours(std::span<const unsigned char> line, std::uint32_t columns, std::span<std::uint64_t> bits) {
+  std::fill(bits.begin(), bits.end(), 0);
+  for (std::uint32_t column = 0; column < columns; ++column) {
+    const unsigned char* const at = &line[std::size_t{4} * column];
+    const unsigned luma = 299U * at[0] + 587U * at[1] + 114U * at[2];
+    bits[column / 64] |= std::uint64_t{luma >= 128'000U ? 1U : 0U} << (column % 64);
+  }
+}
+
+/// Adds a row of the file where it lies on the plate.
 void place(std::span<const std::uint64_t> bits, std::uint32_t row, const MaskTurn& turn, BitImage out) {
   const std::uint32_t columns = turn.swaps ? out.rows() : out.columns();
   const std::uint32_t rows = turn.swaps ? out.columns() : out.rows();
   const std::uint32_t across = turn.mirror_y ? rows - 1 - row : row;
   if (!turn.mirror_x && !turn.swaps) {
-    std::copy(bits.begin(), bits.end(), out.row(across).begin());
+    const auto row_of_out = out.row(across);
+    for (std::size_t w = 0; w < bits.size(); ++w) row_of_out[w] |= bits[w];
     return;
   }
   for (std::size_t w = 0; w < bits.size(); ++w) {
@@ -51,7 +63,7 @@ void place(std::span<const std::uint64_t> bits, std::uint32_t row, const MaskTur
 
 std::uint64_t most_mask_bytes(std::uint32_t columns, std::uint32_t rows) {
   constexpr std::uint64_t kRest = 65536;  // header, texts, frames of the chunks
-  const std::uint64_t raw = (std::uint64_t{4} * columns + 1) * rows;
+  const std::uint64_t raw = (std::uint64_t{8} * columns + 2) * rows;
   return raw + raw / 64 + kRest;
 }
 
@@ -66,25 +78,37 @@ Status decode_turned_mask(PngBytes bytes, std::uint64_t most_bytes, const MaskTu
     return fail(ErrorCode::kMalformed, "has %u x %u pixels, the first layer %u x %u.\tExport the layers again",
                 header->columns, header->rows, columns, rows);
   }
-  if (!header->is_grey) {
-    return fail(ErrorCode::kUnsupported, "has colours; layers are black and white or grey.\tExport them as grey PNG");
-  }
-  if (header->is_interlaced) {
-    return fail(ErrorCode::kUnsupported, "is interlaced.\tExport the layers without interlacing");
-  }
-  const std::size_t line_bytes = (header->channels * header->depth * columns + 7) / 8;
+  const std::size_t line_bytes =
+      header->is_grey ? (header->channels * header->depth * columns + 7) / 8 : std::size_t{4} * columns;
   const std::unique_ptr<unsigned char[]> line(new (std::nothrow) unsigned char[line_bytes]);
   const std::size_t words = (columns + std::size_t{63}) / 64;
   const std::unique_ptr<std::uint64_t[]> bits(new (std::nothrow) std::uint64_t[words]);
   if (!line || !bits) return fail(ErrorCode::kOutOfMemory, "no memory for its rows");
-  PLUMBLINE_TRY(file.begin(PngRows::Form::kAsStored));
-  for (std::uint32_t row = 0; row < rows; ++row) {
-    PLUMBLINE_TRY(file.next({line.get(), line_bytes}));
-    threshold({line.get(), line_bytes}, columns, header->depth, header->channels * header->depth / 8,
-              {bits.get(), words});
-    place({bits.get(), words}, row, turn, out);
+  PLUMBLINE_TRY(file.begin(header->is_grey ? PngRows::Form::kAsStored : PngRows::Form::kRgba));
+  while (file.rows_left() > 0) {
+    // Pixels that another pass has are black, which place() adds.
+    if (header->is_interlaced) std::memset(line.get(), 0, line_bytes);
+    const auto row = file.next({line.get(), line_bytes});
+    PLUMBLINE_TRY(row);
+    if (header->is_grey) {
+      threshold({line.get(), line_bytes}, columns, header->depth, header->channels * header->depth / 8,
+                {bits.get(), words});
+    } else {
+      threshold_colours({line.get(), line_bytes}, columns, {bits.get(), words});
+    }
+    place({bits.get(), words}, *row, turn, out);
   }
   return file.finish();
+}
+
+Status decode_mask(std::span<const std::byte> file, BitImage out) {
+  const auto bytes = [&file](std::span<std::byte> to) -> Expected<std::size_t> {
+    const std::size_t count = std::min(to.size(), file.size());
+    std::memcpy(to.data(), file.data(), count);
+    file = file.subspan(count);
+    return count;
+  };
+  return decode_turned_mask(bytes, UINT64_MAX, {}, out);
 }
 
 }  // namespace plumbline

@@ -1,7 +1,9 @@
 #pragma once
 /// Decodes a mask from a PNG row by row.
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "firmware/pictures/png_rows.hpp"
 #include "slicer/core/bit_image.hpp"
@@ -18,16 +20,19 @@ struct MaskTurn {
   bool operator==(const MaskTurn&) const = default;
 };
 
-/// Decodes a grey PNG of any depth. The upper half of its levels is white, as in UVtools; transparency does not count.
+/// Decodes a PNG of any kind. The upper half of its levels is white, as in UVtools; of colours, their luma counts (ITU-R BT.601), of
+/// transparency nothing.
 /// @param most_bytes  of the file; what is longer is refused when so many have come
 /// @param out         overwritten, also after an error
 /// @retval ErrorCode::kMalformed    no PNG, damaged, cut off, too long, or not of the size of `out`
-/// @retval ErrorCode::kUnsupported  it has colours, or is interlaced
-/// @retval ErrorCode::kOutOfMemory  the heap has no 200 kB
+/// @retval ErrorCode::kOutOfMemory  the heap has no 200 kB; 400 kB with colours
 /// @retval any error of `bytes`
 [[nodiscard]] Status decode_turned_mask(PngBytes bytes, std::uint64_t most_bytes, const MaskTurn& turn, BitImage out);
 
-/// Bytes that no PNG of a mask exceeds: two bytes a channel, two channels, without any compression.
+/// The same of a file in memory, as it lies.
+[[nodiscard]] Status decode_mask(std::span<const std::byte> file, BitImage out);
+
+/// Bytes that no PNG of a mask exceeds: two bytes a channel, four channels, without any compression.
 std::uint64_t most_mask_bytes(std::uint32_t columns, std::uint32_t rows);
 
 }  // namespace plumbline

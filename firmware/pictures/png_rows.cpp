@@ -3,6 +3,22 @@
 #include <spng.h>
 
 namespace plumbline {
+namespace {
+
+/// Rows of the seven passes of an interlaced file (PNG specification, 8.2).
+std::uint32_t interlaced_rows(std::uint32_t columns, std::uint32_t rows) {
+  struct Pass {
+    std::uint32_t column, row, row_step;
+  };
+  constexpr Pass kPasses[] = {{0, 0, 8}, {4, 0, 8}, {0, 4, 8}, {2, 0, 4}, {0, 2, 4}, {1, 0, 2}, {0, 1, 2}};
+  std::uint32_t all = 0;
+  for (const Pass& pass : kPasses) {
+    if (columns > pass.column && rows > pass.row) all += (rows - pass.row + pass.row_step - 1) / pass.row_step;
+  }
+  return all;
+}
+
+}  // namespace
 
 void PngRows::Free::operator()(spng_ctx* context) const { spng_ctx_free(context); }
 
@@ -47,13 +63,13 @@ Expected<PngHeader> PngRows::header() {
   int reason = spng_set_png_stream(context_.get(), read, this);
   if (reason == 0) reason = spng_get_ihdr(context_.get(), &facts);
   PLUMBLINE_TRY(result(reason));
-  rows_ = facts.height;
   PngHeader header{.columns = facts.width,
                    .rows = facts.height,
                    .depth = facts.bit_depth,
                    .channels = 1,
                    .is_grey = false,
                    .is_interlaced = facts.interlace_method != SPNG_INTERLACE_NONE};
+  rows_ = header.is_interlaced ? interlaced_rows(facts.width, facts.height) : facts.height;
   switch (facts.color_type) {
     case SPNG_COLOR_TYPE_GRAYSCALE: header.is_grey = true; break;
     case SPNG_COLOR_TYPE_GRAYSCALE_ALPHA:
@@ -73,9 +89,12 @@ Status PngRows::begin(Form form) {
   return result(spng_decode_image(context_.get(), nullptr, 0, format, flags));
 }
 
-Status PngRows::next(std::span<unsigned char> line) {
+Expected<std::uint32_t> PngRows::next(std::span<unsigned char> line) {
+  spng_row_info at = {};
+  PLUMBLINE_TRY(result(spng_get_row_info(context_.get(), &at)));
   const int reason = spng_decode_row(context_.get(), line.data(), line.size());
-  return result(--rows_ == 0 && reason == SPNG_EOI ? 0 : reason);
+  PLUMBLINE_TRY(result(--rows_ == 0 && reason == SPNG_EOI ? 0 : reason));
+  return at.row_num;
 }
 
 Status PngRows::finish() { return result(spng_decode_chunks(context_.get())); }

@@ -44,12 +44,14 @@ class PngRows {
   PngRows& operator=(const PngRows&) = delete;
 
   [[nodiscard]] Expected<PngHeader> header();
-  /// @pre header() has succeeded, and the file is not interlaced
+  /// @pre header() has succeeded
   [[nodiscard]] Status begin(Form form);
-  /// Decodes the next row, from the top.
-  /// @param line  its bytes
-  /// @pre not called more often than there are rows
-  [[nodiscard]] Status next(std::span<unsigned char> line);
+  /// Decodes the next row: from the top, or as the passes of an interlaced file come.
+  /// @param line  the bytes of a whole row. Of an interlaced file, pixels that other passes have are left as they are
+  /// @returns which row it is
+  /// @pre rows_left() > 0
+  [[nodiscard]] Expected<std::uint32_t> next(std::span<unsigned char> line);
+  std::uint32_t rows_left() const { return rows_; }
   /// Reads on to the end of the file, so that its checksums are checked.
   [[nodiscard]] Status finish();
 
@@ -64,7 +66,7 @@ class PngRows {
   std::uint64_t left_;  ///< of the most that the file may have
   bool too_long_ = false;
   std::optional<Error> error_;  ///< of the bytes
-  std::uint32_t rows_ = 0;      ///< that are still to come
+  std::uint32_t rows_ = 0;      ///< that are still to come, of all passes
   std::unique_ptr<spng_ctx, Free> context_;
 };
 

@@ -211,37 +211,4 @@ Expected<PngSize> png_size(std::span<const std::byte> file) {
   return PngSize{columns, rows};
 }
 
-Status decode_mask(std::span<const std::byte> file, BitImage out) {
-  const auto size = png_size(file);
-  PLUMBLINE_TRY(size);
-  if (size->columns != out.columns() || size->rows != out.rows()) {
-    return fail(ErrorCode::kMalformed,
-                "has %u x %u pixels, the first layer %u x %u.\tName a folder that holds one stack", size->columns,
-                size->rows, out.columns(), out.rows());
-  }
-  // lodepng would take the red of coloured pixels. The colour type of a PNG is byte 25: 2 and 6 have colours.
-  const auto colour = static_cast<unsigned>(file[25]);
-  if (colour == LCT_RGB || colour == LCT_RGBA) {
-    return fail(ErrorCode::kUnsupported, "has colours; layers are black and white or grey.\tExport them as grey PNG");
-  }
-  unsigned char* grey = nullptr;
-  unsigned columns = 0;
-  unsigned rows = 0;
-  const unsigned error = lodepng_decode_memory(
-      &grey, &columns, &rows, reinterpret_cast<const unsigned char*>(file.data()), file.size(), LCT_GREY, 8);
-  const std::unique_ptr<unsigned char, decltype(&std::free)> pixels(grey, &std::free);
-  if (error != 0) {
-    return fail(ErrorCode::kMalformed, "cannot be read as PNG (%s).\tExport the layers again",
-                lodepng_error_text(error));
-  }
-  out.clear();
-  for (std::uint32_t r = 0; r < out.rows(); ++r) {
-    const unsigned char* const line = grey + std::size_t{r} * out.columns();
-    for (std::uint32_t c = 0; c < out.columns(); ++c) {
-      if (line[c] > 127) out.set(c, r);
-    }
-  }
-  return {};
-}
-
 }  // namespace plumbline

@@ -128,10 +128,4 @@ class SmallPngDecoder {
 /// @retval ErrorCode::kUnsupported  larger than a grid can be
 [[nodiscard]] Expected<PngSize> png_size(std::span<const std::byte> file);
 
-/// Decodes a PNG of any grey format; levels above 127 of 255 are white. Takes memory from the heap.
-/// @param out  overwritten
-/// @retval ErrorCode::kMalformed    no PNG, damaged, or not of the size of `out`
-/// @retval ErrorCode::kUnsupported  it has colours
-[[nodiscard]] Status decode_mask(std::span<const std::byte> file, BitImage out);
-
 }  // namespace plumbline

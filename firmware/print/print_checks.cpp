@@ -61,13 +61,16 @@ void PrintChecks::check_job(bool has_journal) {
                                                       : PrinterCode::kCheckMasksClean;
   conclude(Check::kMasks, noted_unless(!settings_.has_issues));
 
+  const Distance first = plan.layer_height + plan.first_layer_more;
+  const bool first_is_dark = settings_.first_cure_depth <= first;
+  const Distance height = first_is_dark ? first : plan.layer_height;
+  const Distance depth = first_is_dark ? settings_.first_cure_depth : settings_.cure_depth;
   result(Check::kLight)
-      .detail.add("a layer of %.3f mm cures %.3f mm deep", plan.layer_height.millimetres(),
-                  settings_.cure_depth.millimetres());
-  result(Check::kLight).told = {
-      PrinterCode::kCheckLight,
-      {{Fact::kHeightMm, plan.layer_height.millimetres()}, {PrinterFact::kCureMm, settings_.cure_depth.millimetres()}}};
-  conclude(Check::kLight, passed_if(settings_.cure_depth > plan.layer_height), FaultCode::kTooLittleLight);
+      .detail.add("%s of %.3f mm cures %.3f mm deep", first_is_dark ? "the first layer" : "a layer",
+                  height.millimetres(), depth.millimetres());
+  result(Check::kLight).told = {PrinterCode::kCheckLight,
+                                {{Fact::kHeightMm, height.millimetres()}, {PrinterFact::kCureMm, depth.millimetres()}}};
+  conclude(Check::kLight, passed_if(depth > height), FaultCode::kTooLittleLight);
 
   result(Check::kJournal).detail.add("%s", has_journal ? "kept" : "none, so a power cut ends the print for good");
   result(Check::kJournal).told = has_journal ? PrinterCode::kCheckJournal : PrinterCode::kCheckJournalNone;
@@ -75,7 +78,8 @@ void PrintChecks::check_job(bool has_journal) {
 }
 
 void PrintChecks::check_resin(std::uint64_t cured_pixels) {
-  const double needed = static_cast<double>(settings_.cured_pixels - cured_pixels) * settings_.pixel_ml;
+  const double needed = static_cast<double>(settings_.cured_pixels - cured_pixels) * settings_.pixel_ml +
+                        (cured_pixels == 0 ? settings_.first_layer_more_ml : 0);
   const bool enough = needed <= settings_.tank_ml;
   result(Check::kResin)
       .detail.add("%.1f ml needed, a full tank holds %.0f ml%s", needed, settings_.tank_ml,

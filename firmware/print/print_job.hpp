@@ -80,7 +80,10 @@ class PrintJob {
   Status cool_down();
   void make_safe();
 
-  double used_ml() const { return static_cast<double>(entry_.cured_pixels) * settings_.pixel_ml; }
+  double used_ml() const {
+    return static_cast<double>(entry_.cured_pixels) * settings_.pixel_ml +
+           (entry_.next_layer > 0 ? settings_.first_layer_more_ml : 0);
+  }
   /// The next layer to cure, or the last one if all are cured.
   std::uint32_t layer_at_hand() const {
     return entry_.next_layer < plan_.layers ? entry_.next_layer : plan_.layers - 1;

@@ -69,6 +69,7 @@ Status PrintSession::begin(std::string_view scan, const PrintProfile& profile, c
   facts_.profile = short_name(profile.name);
   facts_.printer_hash = hash_of(board_);
   facts_.cure_depth = cure_depth(profile, Irradiance(machine_.power_mw_cm2), plan->exposure);
+  facts_.first_cure_depth = cure_depth(profile, Irradiance(machine_.power_mw_cm2), plan->initial_exposure);
   facts_.plan = *plan;
   PLUMBLINE_TRY(make_ready());
   if (store_ == nullptr) return {};
@@ -145,6 +146,15 @@ double PrintSession::pixel_ml() const {
   return resin_ml(1, board_.pixel_pitch_x_mm, board_.pixel_pitch_y_mm, facts_.plan.layer_height.millimetres());
 }
 
+double PrintSession::first_layer_more_ml() const {
+  const double more = facts_.plan.first_layer_more.millimetres();
+  return resin_ml(first_layer_pixels_, board_.pixel_pitch_x_mm, board_.pixel_pitch_y_mm, more);
+}
+
+double PrintSession::needed_ml() const {
+  return static_cast<double>(facts_.cured_pixels) * pixel_ml() + first_layer_more_ml();
+}
+
 MaskFigures PrintSession::mask_figures() const { return plumbline::mask_figures(exposures_, scratch_); }
 
 const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer, PlateRecord* plate) {
@@ -157,9 +167,11 @@ const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer
   settings.has_cover_switch = machine_.has_cover_switch;
   settings.tank_ml = machine_.tank_volume_ml;
   settings.pixel_ml = pixel_ml();
+  settings.first_layer_more_ml = first_layer_more_ml();
   settings.cured_pixels = facts_.cured_pixels;
   settings.first_layer_pixels = first_layer_pixels_;
   settings.cure_depth = facts_.cure_depth;
+  settings.first_cure_depth = facts_.first_cure_depth;
   if (findings_) settings.issues = issue_counts(*findings_);
   settings.has_issues = findings_ && findings_->any();
   settings.memory_needed = arena_.used();

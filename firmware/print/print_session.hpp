@@ -95,12 +95,15 @@ class PrintSession {
   /// Of the masks; none for a print resumed from its store, whose masks were checked when it began.
   const std::optional<StackFindings>& findings() const { return findings_; }
   MaskFigures mask_figures() const;
-  double pixel_ml() const;
+  double pixel_ml() const;   ///< of the layers but the first
+  double needed_ml() const;  ///< resin in all masks
 
  private:
   [[nodiscard]] Status begin(std::string_view scan, const PrintProfile& profile, const StackFindings& findings);
   [[nodiscard]] Status make_source();
   [[nodiscard]] Status make_ready();
+  /// Resin that the first layer takes more than one of the usual height.
+  double first_layer_more_ml() const;
 
   const BoardFile& board_;
   const MachineFile& machine_;

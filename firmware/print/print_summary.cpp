@@ -67,7 +67,8 @@ void add_print(Text& text, const PrintOutcome& outcome) {
   const PrintableText scan = view(outcome.session.facts().scan);
   text.add("print      %s: %.*s, %u of %u layers, %.2f mm\n", scan.c_str(), static_cast<int>(state.size()),
            state.data(), report.next_layer, report.layers,
-           outcome.session.plan().layer_height.millimetres() * report.next_layer);
+           report.next_layer > 0 ? height_of(outcome.session.plan(), report.next_layer - 1).above_film().millimetres()
+                                 : 0.0);
   add_fault(text, report);
   text.add("time       %s, %s estimated", duration_text(report.elapsed).c_str(),
            duration_text(report.estimated).c_str());
@@ -271,7 +272,7 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
     json.null();
   }
   json.member("resin_ml", thousandths(report.resin_ml));
-  json.member("resin_needed_ml", thousandths(static_cast<double>(facts.cured_pixels) * outcome.session.pixel_ml()));
+  json.member("resin_needed_ml", thousandths(outcome.session.needed_ml()));
   json.member("cost", thousandths(resin_cost(outcome.profile, report.resin_ml)));
   json.member("elapsed_s", seconds(report.elapsed));
   json.member("estimated_s", seconds(report.estimated));

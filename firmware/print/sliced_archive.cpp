@@ -132,6 +132,7 @@ Expected<SlicedArchive> check_archive(int file, std::string_view name, const Arc
 
 PrintProfile profile_of(const PrintProfile& printers, const Sl1Settings& settings, std::string_view name) {
   PrintProfile profile = printers;
+  if (settings.first_layer_height_mm) profile.initial_layer_height = *settings.first_layer_height_mm;
   if (settings.exposure_s) profile.exposure_time = *settings.exposure_s;
   if (settings.initial_exposure_s) profile.initial_exposure_time = *settings.initial_exposure_s;
   const bool first_is_longest = profile.initial_exposure_time > profile.exposure_time;

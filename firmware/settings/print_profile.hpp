@@ -25,6 +25,7 @@ struct PrintProfile {
   double bottle_cost = 0;                ///< [resin] of a bottle, in any currency; 0: unknown
   double bottle_volume = 0;              ///< [resin] ml of a bottle; 0: unknown
   double layer_height = 0;               ///< [print] mm
+  double initial_layer_height = 0;       ///< mm, of an archive's first layer; 0: as high as the others
   double exposure_time = 0;              ///< [print] s
   double initial_exposure_time = 0;      ///< [print] s, of the bottom layers
   std::uint32_t bottom_layer_count = 0;  ///< [print] layers exposed for initial_exposure_time

@@ -244,6 +244,7 @@ class Rig {
     settings.first_layer_pixels = 1;
     settings.cured_pixels = 40U * 42U * plan.layers;
     settings.cure_depth = cure_depth(profile, Irradiance(machine.power_mw_cm2), plan.exposure);
+    settings.first_cure_depth = cure_depth(profile, Irradiance(machine.power_mw_cm2), plan.initial_exposure);
     return settings;
   }
 

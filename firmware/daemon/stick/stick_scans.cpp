@@ -12,7 +12,7 @@
 #include "firmware/io/scan_names.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "slicer/core/words/printable_text.hpp"
-#include "slicer/reader/formats/sliced_formats.hpp"
+#include "slicer/reader/formats/foreign_formats.hpp"
 
 namespace plumbline {
 namespace {
@@ -39,7 +39,7 @@ struct StickListing final : StickMount::FileVisitor {
     } else if (const ForeignFormat* const foreign = foreign_format(name)) {
       if (!scans.foreign) {
         scans.foreign = Error::format(ErrorCode::kUnknownFormat, "%s %s (%s);\t%s", PrintableText(name).c_str(),
-                                      foreign->what, foreign->program, foreign->advice)
+                                      foreign->kind.what, foreign->program, foreign->kind.advice)
                             .tell({PrinterCode::kStickForeign, {}, name});
       }
     } else if (is_scan_name(name)) {

@@ -6,7 +6,7 @@
 #include "firmware/daemon/stick/stick_scans.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "slicer/core/words/printable_text.hpp"
-#include "slicer/reader/formats/sliced_formats.hpp"
+#include "slicer/reader/formats/foreign_formats.hpp"
 
 namespace plumbline {
 namespace {
@@ -29,8 +29,8 @@ Status check_upload_name(std::string_view name) {
   }
   if (const ForeignFormat* const foreign = foreign_format(name)) {
     return telling(Told(PrinterCode::kUploadKind, {}, name),
-                   fail(ErrorCode::kUnknownFormat, "%s %s (%s).\t%s", PrintableText(name).c_str(), foreign->what,
-                        foreign->program, foreign->advice));
+                   fail(ErrorCode::kUnknownFormat, "%s %s (%s).\t%s", PrintableText(name).c_str(), foreign->kind.what,
+                        foreign->program, foreign->kind.advice));
   }
   if (is_scan_name(name)) return {};
   return telling(Told(PrinterCode::kUploadKind, {}, name),

@@ -110,6 +110,9 @@ Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& m
   PrintPlan plan;
   plan.layers = layers;
   plan.layer_height = Distance::millimetres(layer_height_mm);
+  if (profile.initial_layer_height > 0) {
+    plan.first_layer_more = Distance::millimetres(profile.initial_layer_height) - plan.layer_height;
+  }
   plan.exposure = seconds(profile.exposure_time);
   plan.initial_exposure = seconds(profile.initial_exposure_time);
   plan.bottom_layers = profile.bottom_layer_count;
@@ -142,7 +145,7 @@ nanoseconds exposure_of(const PrintPlan& plan, std::uint32_t layer) {
 }
 
 ZPosition height_of(const PrintPlan& plan, std::uint32_t layer) {
-  return ZPosition(plan.layer_height * (std::int64_t{layer} + 1));
+  return ZPosition(plan.layer_height * (std::int64_t{layer} + 1) + plan.first_layer_more);
 }
 
 TwoStageMove lift_from(const PrintPlan& plan, std::uint32_t layer) {

@@ -1,7 +1,8 @@
 #pragma once
 /// Exposures, moves and waits of a print, layer by layer, and how long they take. Pure functions.
 ///
-/// Layer k of height h is cured with the plate's face at (k + 1) h above the film. Then the part is lifted in two moves, slow
+/// Layer k of height h is cured with the plate's face at (k + 1) h above the film, or at h0 + k h if the first layer has another height
+/// h0. Then the part is lifted in two moves, slow
 /// while it peels and then fast, and comes down to the next layer in two moves, fast and then slow near the film:
 ///
 ///     lift     (k + 1) h  ->  + lift_height at lift_speed  ->  + lift_height2 at lift_speed2
@@ -31,6 +32,7 @@ using TwoStageMove = std::array<StageMove, 2>;
 struct PrintPlan {
   std::uint32_t layers = 0;
   Distance layer_height;
+  Distance first_layer_more;  ///< that the first layer is higher than the others; may be negative
   nanoseconds exposure{};
   nanoseconds initial_exposure{};
   std::uint32_t bottom_layers = 0;

@@ -18,9 +18,11 @@ struct PrintSettings {
   bool has_cover_switch = true;
   double tank_ml = 0;              ///< of a full tank; the print begins with one
   double pixel_ml = 0;             ///< resin in one pixel of one layer
+  double first_layer_more_ml = 0;  ///< resin that the first layer takes more than one of the usual height
   std::uint64_t cured_pixels = 0;  ///< of all masks together
   std::uint64_t first_layer_pixels = 0;
   Distance cure_depth;                               ///< at a normal layer's exposure
+  Distance first_cure_depth;                         ///< at the first layer's
   std::size_t memory_needed = 0, memory_budget = 0;  ///< of the arena, bytes
   FixedText<160> issues;                             ///< issue_counts(); empty: a resumed print, checked before
   bool has_issues = false;

@@ -32,6 +32,7 @@ struct JobFacts {
   std::uint64_t printer_hash = 0;  ///< hash_of() the board file
   std::uint64_t cured_pixels = 0;  ///< of all masks together
   Distance cure_depth;             ///< at a normal layer's exposure
+  Distance first_cure_depth;       ///< at the first layer's
   MaskTurn turn;                   ///< of an archive's layers
   PrintPlan plan;
   std::uint32_t file_count = 0;                 ///< of the scan; at most kMostScans

@@ -13,7 +13,7 @@ namespace {
 
 /// Change the version whenever the stored data change, JobFacts and PrintPlan included.
 constexpr std::uint32_t kJobMagic = 0x424F4A50;  // "PJOB"
-constexpr std::uint32_t kVersion = 6;
+constexpr std::uint32_t kVersion = 7;
 
 struct JobHeader {
   std::uint32_t magic = kJobMagic;

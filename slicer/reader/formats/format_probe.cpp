@@ -4,8 +4,8 @@
 #include <cstring>
 #include <optional>
 
+#include "slicer/reader/formats/foreign_formats.hpp"
 #include "slicer/reader/formats/scan_endings.hpp"
-#include "slicer/reader/formats/sliced_formats.hpp"
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 
@@ -19,9 +19,10 @@ struct Mark {
   const char* what;
   const char* advice;
 };
+constexpr auto kGzip = "\x1f\x8b"sv;
+constexpr auto kOle = "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"sv;
 constexpr const char* kUnpack = "unpack it and give the scan inside";
 constexpr const char* kConvert = "convert it to PLY with the program that wrote it or with CloudCompare";
-constexpr const char* kMesh = "export the mesh as STL, OBJ, PLY, OFF or 3MF";
 
 /// Other files that people have on their sticks.
 constexpr Mark kMarks[] = {
@@ -35,12 +36,7 @@ constexpr Mark kMarks[] = {
      "an xz archive", kUnpack},
     {"BZh"sv, "a bzip2 archive", kUnpack},
     {"\x28\xb5\x2f\xfd"sv, "a zstd archive", kUnpack},
-    {"glTF"sv, "glTF", kMesh},
-    {"Kaydara FBX"sv, "FBX", kMesh},
-    {"ISO-10303-21"sv, "STEP", kMesh},
-    {"BLENDER"sv, "a Blender project", kMesh},
-    {"3D Geometry File Format"sv, "a Rhino model", kMesh},
-    {"#VRML"sv, "VRML", kMesh},
+    {kOle, "a document of SolidWorks, Inventor, 3ds Max or an office program", "export the part as STL or 3MF"},
     {"<?xml"sv, "XML", kConvert},
     {"<!DOCTYPE html"sv, "a web page", "download the file itself"},
     {"version https://git-lfs"sv, "a pointer of Git LFS, not the file", "get the file with 'git lfs pull'"},
@@ -54,6 +50,7 @@ class Probe {
   Probe(ByteInput& input, std::string_view window) : input_(input), window_(window) {}
 
   Expected<ScanFormat> format() {
+    PLUMBLINE_TRY(refuse_foreign(foreign_content(window_, input_.size())));
     PLUMBLINE_TRY(refuse_wide_text());
     if (window_.starts_with("\xef\xbb\xbf")) {
       input_.consume(3);
@@ -64,13 +61,16 @@ class Probe {
       return ScanFormat::kPly;
     }
     if (window_.starts_with("LASF")) return ScanFormat::kLas;
-    if (window_.starts_with("\x1f\x8b")) return ScanFormat::kSpz;  // or another gzip file, as its reader says
     if (window_.starts_with(kE57Signature)) return ScanFormat::kE57;
+    if (window_.starts_with("# .PCD")) return ScanFormat::kPcd;
+    if (is_container()) PLUMBLINE_TRY(refuse_foreign(foreign_format(input_.name())));
+    if (window_.starts_with(kGzip)) return ScanFormat::kSpz;  // or another gzip file, as its reader says
     if (is_3mf()) return ScanFormat::k3mf;
     PLUMBLINE_TRY(refuse_other_formats());
     if (is_stl()) return ScanFormat::kStl;
     if (is_off()) return ScanFormat::kOff;
-    if (window_.starts_with("# .PCD")) return ScanFormat::kPcd;
+    // Other text is what its name says.
+    PLUMBLINE_TRY(refuse_foreign(foreign_format(input_.name())));
 
     if (is_ptx()) return ScanFormat::kPtx;
     std::string_view rest = window_;
@@ -109,13 +109,21 @@ class Probe {
     return {};
   }
 
+  /// What many formats are packed in.
+  bool is_container() const {
+    return window_.starts_with(kGzip) || window_.starts_with(kZipSignature) || window_.starts_with(kOle);
+  }
+
+  Status refuse_foreign(const ForeignFormat* foreign) const {
+    if (foreign == nullptr) return {};
+    return input_.fail(ErrorCode::kUnknownFormat, "%s (%s);\t%s", foreign->kind.what, foreign->program,
+                       foreign->kind.advice);
+  }
+
   Status refuse_other_formats() const {
     const auto refuse = [&](const char* what, const char* advice) {
       return input_.fail(ErrorCode::kUnknownFormat, "this is %s;\t%s", what, advice);
     };
-    if (const ForeignFormat* const foreign = foreign_format(input_.name())) {
-      return input_.fail(ErrorCode::kUnknownFormat, "%s (%s);\t%s", foreign->what, foreign->program, foreign->advice);
-    }
     if (window_.starts_with("PK") && (has_ending(input_.name(), ".sl1") || has_ending(input_.name(), ".sl1s"))) {
       return refuse("a print that is sliced already", "print it, or check it");
     }

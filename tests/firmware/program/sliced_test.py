@@ -125,6 +125,26 @@ class Printed(Sliced):
         done = self.print_it(part, status=1)
         self.assertIn("other.sl1: its exposure of a layer is 400 s, this printer's lamp may be lit for 60 s at most", done.stderr)
 
+    def test_first_layer_is_as_high_as_the_archive_says(self):
+        layers = {f"a{k:03}.png": square() for k in range(4)}
+        same = self.pack(layers, "layer_height = 0.05\ninitial_layer_height = 0.05\n", "same.sl1")
+        high = self.pack(layers, "layer_height = 0.05\ninitial_layer_height = 0.15\n", "high.sl1")
+        summaries = [self.print_it(part).stdout for part in (same, high)]
+        self.assertIn("4 of 4 layers, 0.20 mm", summaries[0])
+        self.assertIn("4 of 4 layers, 0.30 mm", summaries[1])
+        self.assertEqual(json.loads(self.report.read_text())["objections"], [])
+        dark = self.pack(layers, "layer_height = 0.05\ninitial_layer_height = 0.9\n", "dark.sl1")
+        self.assertIn("the first layer of 0.900 mm cures ", self.print_it(dark, status=1).stdout)
+
+    def test_layers_may_be_any_png(self):
+        grey = png(1440, 2560, (b"\0" + bytes(500) + b"\xff" * 300 + bytes(640)) * 2560)
+        rgb = png(1440, 2560, (b"\0" + bytes(1500) + b"\xff" * 900 + bytes(1920)) * 2560, colour=2)
+        for layer in (grey, rgb):
+            self.print_it(self.pack({"1.png": layer, "2.png": layer}))
+            if layer is grey:
+                hashes = [line["mask_hash"] for line in exposures(self.report)]
+        self.assertEqual([line["mask_hash"] for line in exposures(self.report)], hashes)
+
     def test_part_is_kept_and_compared(self):
         self.make_part()
         self.print_it(self.part, "--keep-part", self.out)
@@ -182,7 +202,6 @@ class Printed(Sliced):
             (whole[:60] + bytes([whole[60] ^ 1]) + whole[61:], "part.zip: layer 2: cannot be read as PNG"),
             (b"no picture", "part.zip: layer 2: cannot be read as PNG"),
             (png(1440, 100, bytes(1441) * 100), "layer 2: has 1440 x 100 pixels, the first layer 1440 x 2560"),
-            (png(1440, 2560, bytes(1 + 3 * 1440) * 2560, colour=2), "layer 2: has colours"),
         ):
             done = self.print_it(self.pack({"1.png": whole, "2.png": broken, "3.png": whole}), "--state", self.state, status=1)
             self.assertIn(words, done.stderr)
@@ -354,6 +373,13 @@ class FromAStick(Sliced):
         daemon.kill()
         daemon.wait()
         shutil.rmtree(self.dir / "stick")
+        (self.dir / "part.sldprt").write_bytes(bytes(500))
+        self.put_stick(self.dir / "part.sldprt")
+        daemon = self.start("--speedup", 1e6)
+        self.until(daemon, "part.sldprt is a CAD model (SolidWorks). Export it as STL or 3MF")
+        daemon.kill()
+        daemon.wait()
+        shutil.rmtree(self.dir / "stick")
         self.put_stick(self.dir / "part.ctb", self.mesh)
         daemon = self.start("--speedup", 1e6)
         said = self.until(daemon, "reading ell.stl")
@@ -361,6 +387,7 @@ class FromAStick(Sliced):
         for name, words in (
             ("part.ctb", "part.ctb: is sliced for another printer (Chitubox); export it as .sl1"),
             ("part.pwmx", "part.pwmx: is sliced for another printer (Photon Workshop); export it as .sl1"),
+            ("part.dwg", "part.dwg: is a CAD model (DWG); export it as STL or 3MF"),
             ("part.lys", "part.lys: is a project (Lychee Slicer); export its mesh as STL"),
             ("part.gcode", "part.gcode: is sliced for a filament printer (G-code); export its mesh as STL"),
         ):

@@ -50,6 +50,17 @@ TEST(PrintPlan, CuresLayerKAtItsUpperFace) {
   EXPECT_EQ(height_of(p, 999), ZPosition(50_mm));
 }
 
+TEST(PrintPlan, TakesTheHeightOfAnArchivesFirstLayer) {
+  Sl1Settings settings;
+  settings.first_layer_height_mm = 0.3;
+  const auto p = plan_print(profile_of(profile(), settings, "part.sl1"), machine(), 0.05, 3335).value();
+  EXPECT_EQ(height_of(p, 0), ZPosition(300_um));
+  EXPECT_EQ(height_of(p, 1), ZPosition(350_um));
+  EXPECT_FALSE(plan_print(profile_of(profile(), settings, "part.sl1"), machine(), 0.05, 3336)) << "0.05 mm too high";
+  settings.first_layer_height_mm = 0.02;
+  EXPECT_EQ(height_of(*plan_print(profile_of(profile(), settings, ""), machine(), 0.05, 9), 1), ZPosition(70_um));
+}
+
 TEST(PrintPlan, HeightsAddUpWithoutRounding) {
   const auto p = plan_print(profile(), machine(), 0.0123, 10000).value();
   EXPECT_EQ(height_of(p, 9999).above_film().nanometres(), 123'000'000);

@@ -13,11 +13,6 @@ TEST(FormatProbe, NamesAFormatThatIsNoScanAndSaysWhatToDo) {
   const std::tuple<std::string, const char*, const char*> cases[] = {
       {"\x1f\x8b\x08\x00 rest"s, "gzip", "unpack it"},
       {"PK\x03\x04 rest", "zip", "unpack it"},
-      {"glTF rest", "glTF", "export the mesh as STL"},
-      {"ISO-10303-21;\nHEADER;", "STEP", "export the mesh as STL"},
-      {"BLENDER-v300", "a Blender project", "export the mesh as STL"},
-      {"3D Geometry File Format 5", "a Rhino model", "export the mesh as STL"},
-      {"#VRML V2.0 utf8\n", "VRML", "export the mesh as STL"},
       {"<!DOCTYPE html>\n<html>", "a web page", "download the file itself"},
       {"version https://git-lfs.github.com/spec/v1\n", "a pointer of Git LFS", "git lfs pull"},
       {"7z\xbc\xaf\x27\x1c rest", "7z", "unpack it"},
@@ -30,6 +25,66 @@ TEST(FormatProbe, NamesAFormatThatIsNoScanAndSaysWhatToDo) {
     EXPECT_THAT(reading.message(), HasSubstr(advice));
     EXPECT_EQ(reading.sink.begun, 0);
   }
+}
+
+TEST(FormatProbe, NamesForeignFilesByTheirBytes) {
+  const std::string iges = "Start" + std::string(67, ' ') + "S      1\n";
+  const std::string length = little(std::uint32_t{26});
+  const std::pair<std::string, const char*> cases[] = {
+      {"glTF\2\0\0\0"s, "is a model that is not read (glTF); export the mesh as STL, OBJ, PLY, OFF or 3MF"},
+      {"{ \"asset\": { \"version\": \"2.0\" } }", "(glTF)"},
+      {"ISO-10303-21;\nHEADER;", "is a CAD model (STEP); export it as STL or 3MF"},
+      {"\xef\xbb\xbfISO-10303-21;\nHEADER;", "(STEP)"},
+      {"BLENDER-v300", "is a project (Blender); export its mesh as STL"},
+      {"3D Geometry File Format 5", "(Rhino)"},
+      {"#VRML V2.0 utf8\n", "(VRML)"},
+      {iges + "S      2\n", "is a CAD model (IGES); export it as STL or 3MF"},
+      {"  0\r\nSECTION\r\n  2\r\nHEADER\r\n", "(DXF)"},
+      {"999\nmade by hand\n0\nSECTION\n", "(DXF)"},
+      {"AutoCAD Binary DXF\r\n\x1a\0"s, "(DXF)"},
+      {"AC1032\0\0\0"s, "(DWG)"},
+      {"**ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz****\n**PARASOLID !", "(Parasolid)"},
+      {"400 0 1 0\n11 Box Program 8 ACIS 4.0 24 Thu Jan 1 00:00:00 1998\n25.4 1e-06 1e-10\n", "(ACIS)"},
+      {"Version 9.5 JT  DM 7.0.0.0", "(JT)"},
+      {"\xff\xfe\xff\x0eS\0k\0e\0t\0c\0h\0U\0p\0 \0M\0o\0d\0e\0l\0"s, "(SketchUp)"},
+      {"Kaydara FBX Binary  ", "(FBX)"},
+      {"; FBX 7.3.0 project file\n", "(FBX)"},
+      {"<?xml version=\"1.0\"?>\n<!-- a <b> -->\n<amf unit=\"mm\">", "(AMF)"},
+      {"<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"\">", "(COLLADA)"},
+      {"MM" + length + std::string(20, '\1'), "(3D Studio)"},
+      {"FORM\0\0\1\0LWO2"s, "(LightWave)"},
+      {"# vtk DataFile Version 3.0\n", "(VTK)"},
+      {"\x19\0\xfd\x12 rest"s, "is sliced for another printer (Chitubox); export it as .sl1"},
+      {"ANYCUBIC\0\0\0\0"s, "(Photon Workshop)"},
+      {"V3.0\x07\0\0\0DLP\0"s, "(Elegoo)"},
+      {"\xff\xd8\xff\xe0 rest", "is a picture (JPEG)"},
+  };
+  for (const auto& [bytes, words] : cases) {
+    for (const char* name : {"part.xyz", "part.stl", "part"}) {
+      const auto reading = read(bytes, name);
+      EXPECT_EQ(reading.code(), ErrorCode::kUnknownFormat) << words;
+      EXPECT_THAT(reading.message(), HasSubstr(words)) << name;
+    }
+  }
+}
+
+TEST(FormatProbe, NamesForeignFilesByTheirNamesWhereTheBytesSayNothing) {
+  const std::string ole = "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1 rest";
+  const std::string rubbish = "\x01\x02\0\0\x03\x7f\0\0 abc\n"s;
+  for (const auto& [bytes, name, words] : {std::tuple(ole, "part.SLDPRT", "is a CAD model (SolidWorks)"),
+                                           std::tuple(ole, "part.ipt", "is a CAD model (Inventor)"),
+                                           std::tuple(ole, "part", "this is a document of SolidWorks, Inventor"),
+                                           std::tuple(rubbish, "part.sldasm", "is a CAD model (SolidWorks)"),
+                                           std::tuple("PK\3\4 rest"s, "part.lys", "is a project (Lychee Slicer)"),
+                                           std::tuple("PK\3\4 rest"s, "part.fcstd", "is a project (FreeCAD)"),
+                                           std::tuple("\x1f\x8b\x08 rest"s, "part.blend", "is a project (Blender)"),
+                                           std::tuple("\x1f\x8b\x08 rest"s, "part.stl.gz", "is packed (7z, gzip"),
+                                           std::tuple("1 2 3\n"s, "part.dwg", "is a CAD model (DWG)"),
+                                           std::tuple(rubbish, "scan.fls", "is a scan that is not read (FARO)")}) {
+    EXPECT_THAT(read(bytes, name).message(), HasSubstr(words)) << name;
+  }
+  EXPECT_EQ(read("ply\n", "part.step").code(), read("ply\n", "part.ply").code()) << "bytes count before names";
+  EXPECT_THAT(read("solid a\nfacet normal 0 0 1\n", "part.iges").message(), HasSubstr("this is STL"));
 }
 
 TEST(FormatProbe, AMeshWithoutPointsIsNotReadAsAScan) {
