@@ -39,7 +39,7 @@ namespace plumbline {
 /// @param memory  all that is left of it is used
 [[nodiscard]] Status read_e57(ByteInput& input, PointBatch& batch, Arena& memory);
 
-/// SPZ versions 2 and 3: Gaussian splats, compressed by gzip.
+/// SPZ versions 1 to 3: Gaussian splats, compressed by gzip.
 /// @param columns  holds 13 bytes a point, as for read_pcd(), until the rotations come
 /// @retval ErrorCode::kUnknownFormat  gzip, but not of an SPZ
 /// @retval ErrorCode::kUnsupported    another version, or the columns don't fit

@@ -14,7 +14,8 @@ namespace {
 constexpr const char* kStage = "reading SPZ";
 
 constexpr std::size_t kHeadBytes = 16;
-constexpr std::size_t kPosition = 9;  ///< bytes of a splat: three integers of 24 bits
+constexpr std::size_t kPosition = 9;      ///< bytes of a splat: three integers of 24 bits
+constexpr std::size_t kHalfPosition = 6;  ///< of version 1: three floats of 16 bits
 constexpr std::size_t kScales = 3;
 constexpr std::size_t kColours = 3;
 /// Faintest opacity that is kept, of 255; the logit is not needed.
@@ -26,6 +27,16 @@ std::uint32_t load32(std::span<const char> bytes, std::size_t at) {
   return byte_at(bytes, at) | byte_at(bytes, at + 1) << 8 | byte_at(bytes, at + 2) << 16 | byte_at(bytes, at + 3) << 24;
 }
 
+/// A float of 16 bits (IEEE 754).
+double half_of(unsigned bits) {
+  const unsigned exponent = bits >> 10 & 31U;
+  const double fraction = bits & 1023U;
+  const double size = exponent == 31  ? HUGE_VAL
+                      : exponent == 0 ? std::ldexp(fraction, -24)
+                                      : std::ldexp(1024 + fraction, static_cast<int>(exponent) - 25);
+  return (bits & 0x8000U) != 0 ? -size : size;
+}
+
 /// The file has all positions, then all opacities, colours, radii and rotations (github.com/nianticlabs/spz). Positions, opacities and
 /// radii are kept until the rotations come.
 class SpzReader {
@@ -35,7 +46,7 @@ class SpzReader {
 
   Status read(Arena& columns) {
     PLUMBLINE_TRY(read_header());
-    const std::uint64_t need = 3 * Arena::kAlignment + saturating_multiply(points_, kPosition + 1 + kScales);
+    const std::uint64_t need = 3 * Arena::kAlignment + saturating_multiply(points_, position_ + 1 + kScales);
     PLUMBLINE_TRY(batch_.begin({.format = ScanFormat::kSpz,
                                 .encoding = "gzip splats",
                                 .has_normals = true,
@@ -50,7 +61,7 @@ class SpzReader {
                          shown(points_), shown(need), columns.available());
     }
     const auto count = static_cast<std::size_t>(points_);
-    const auto positions = columns.take_bottom<char>(count * kPosition, kStage);
+    const auto positions = columns.take_bottom<char>(count * position_, kStage);
     PLUMBLINE_TRY(positions);
     const auto opacities = columns.take_bottom<char>(count, kStage);
     PLUMBLINE_TRY(opacities);
@@ -84,9 +95,9 @@ class SpzReader {
     version_ = load32(head, 4);
     points_ = load32(head, 8);
     const unsigned fraction_bits = byte_at(head, 13);
-    if (version_ != 2 && version_ != 3) {
+    if (version_ < 1 || version_ > 3) {
       return input_.fail(ErrorCode::kUnsupported,
-                         "SPZ of version %u is not supported;\texport it as version 2 or 3, or as PLY", version_);
+                         "SPZ of version %u is not supported;\texport it as version 3, or as PLY", version_);
     }
     if (fraction_bits > 24) {
       return input_.fail(ErrorCode::kMalformed,
@@ -95,10 +106,11 @@ class SpzReader {
     }
     if (points_ == 0) return input_.fail(ErrorCode::kNoPoints, "the file has no splats;\texport it again");
     unit_ = 1.0 / static_cast<double>(1U << fraction_bits);
-    rotation_bytes_ = version_ == 2 ? 3 : 4;
+    rotation_bytes_ = version_ == 3 ? 4 : 3;
+    position_ = version_ == 1 ? kHalfPosition : kPosition;
     // Not even the best compression makes so many splats from so few bytes.
     const auto size = input_.size();
-    const std::uint64_t least = kPosition + 1 + kColours + kScales + rotation_bytes_;
+    const std::uint64_t least = position_ + 1 + kColours + kScales + rotation_bytes_;
     if (size && points_ * least > saturating_multiply(*size, InflateStream::kLargestRatio)) {
       return input_.fail(ErrorCode::kTruncated,
                          "%llu bytes can't hold the %llu splats that the header declares;\tcopy or export it again",
@@ -133,19 +145,25 @@ class SpzReader {
     return take(bytes, [](std::span<const char>) {});
   }
 
+  double coordinate(std::span<const char> bytes, std::size_t at) const {
+    if (version_ == 1) return half_of(byte_at(bytes, at) | byte_at(bytes, at + 1) << 8);
+    const std::uint32_t raw = byte_at(bytes, at) << 8 | byte_at(bytes, at + 1) << 16 | byte_at(bytes, at + 2) << 24;
+    return (static_cast<std::int32_t>(raw) / 256) * unit_;
+  }
+
   /// A radius r is stored as 16 (ln r + 10).
   static double scale_of(unsigned byte) { return byte / 16.0 - 10; }
   static double opacity_of(unsigned byte) {
     return byte >= kFaintestByte ? SplatFilter::kFaintest : SplatFilter::kFaintest - 1;
   }
 
-  /// Version 2: x, y, z as 127.5 (v + 1), and w >= 0 such that the length is 1. Version 3: the largest component is left out and positive,
+  /// Versions 1 and 2: x, y, z as 127.5 (v + 1), and w >= 0 such that the length is 1. Version 3: the largest component is left out and positive,
   /// the two highest bits say which it is; the others follow from the highest bits down as sign and 9 bits of |v| sqrt(2) * 511.
   void set_turn(std::span<const char> bytes, SlotValues& row) const {
     std::array<double, 4> q = {};  // x, y, z, w
     double square = 0;
     std::size_t missing = 3;
-    if (version_ == 2) {
+    if (version_ != 3) {
       for (std::size_t i = 0; i < 3; ++i) q[i] = byte_at(bytes, i) / 127.5 - 1;
     } else {
       std::uint32_t packed = load32(bytes, 0);
@@ -183,10 +201,7 @@ class SpzReader {
     for (std::size_t i = 0; i < opacities.size(); ++i) {
       PLUMBLINE_TRY(fill(std::span(turn).first(rotation_bytes_)));
       for (std::size_t a = 0; a < 3; ++a) {
-        const std::size_t at = kPosition * i + 3 * a;
-        const std::uint32_t raw =
-            byte_at(positions, at) << 8 | byte_at(positions, at + 1) << 16 | byte_at(positions, at + 2) << 24;
-        row[kX + a] = (static_cast<std::int32_t>(raw) / 256) * unit_;
+        row[kX + a] = coordinate(positions, position_ * i + position_ / 3 * a);
         row[kScale + a] = scale_of(byte_at(scales, kScales * i + a));
       }
       row[kOpacity] = opacity_of(byte_at(opacities, i));
@@ -204,6 +219,7 @@ class SpzReader {
   std::uint64_t points_ = 0;
   double unit_ = 1;
   std::size_t rotation_bytes_ = 0;
+  std::size_t position_ = kPosition;  ///< bytes of x, y and z
 };
 
 }  // namespace

@@ -17,6 +17,17 @@ constexpr std::size_t kSampleRows = 64;
 /// Bytes of the longest row with decimal commas. Sixteen numbers of 24 digits take a tenth of it.
 constexpr std::size_t kLongestDecimalRow = 4096;
 
+/// As some programs do, numbers may stand in quotes.
+constexpr Separators kBetween{" \t\v\f,;|\""};
+constexpr Separators kBetweenDecimals{" \t\v\f;|\""};
+constexpr Separators kNothing{" \t\v\f\""};  ///< what an empty cell may hold
+
+/// How Excel names the separator, in the first line: "sep=;".
+bool is_excel_line(std::string_view text) {
+  constexpr std::string_view kSep = "sep=";
+  return text.size() == kSep.size() + 1 && same_word(text.substr(0, kSep.size()), kSep);
+}
+
 bool is_comment(std::string_view text) {
   return text.starts_with('#') || text.starts_with("//") || text.starts_with(';');
 }
@@ -59,7 +70,7 @@ Commas commas_of(std::string_view text) {
   bool is_number = true;  // x, y and z may be numbers by themselves
   bool has_inner_xyz = false;
   std::size_t numbers = 0;
-  LineWords words(text, kAllButCommas);
+  LineWords words(text, kBetweenDecimals);
   for (auto word = words.next(); !word.empty(); word = words.next(), ++numbers) {
     has_point = has_point || word.find('.') != std::string_view::npos;
     const std::size_t comma = word.find(',');
@@ -113,12 +124,13 @@ class XyzReader {
       }
       std::string_view text = without_indent(line_.text);
       if (text.empty() && !line_.cut) continue;
+      if (lines_.number() == 1 && is_excel_line(text)) continue;
       if (is_comment(text)) {
         if (sampled_ == 0) remember_names(text);
         continue;
       }
       if (take_count(text)) continue;
-      XyzRow row = parse_numbers(text, kBlanksAndCommas);
+      XyzRow row = parse_numbers(text, kBetween);
       if (row.columns == 0 && sampled_ == 0 && !heading_) {
         heading_.emplace(text);
         heading_line_ = lines_.number();
@@ -149,7 +161,7 @@ class XyzReader {
   /// In PTS, a line of one whole number is the number of points that follow. Merged scans have one before each part.
   bool take_count(std::string_view text) {
     if (rows_ > 0 && rows_ != declared_) return false;
-    LineWords words(text, kBlanksAndCommas);
+    LineWords words(text, kBetween);
     const auto count = parse_count(words.next());
     if (!count || !words.next().empty()) return false;
     declared_ = saturating_add(declared_.value_or(0), *count);
@@ -184,7 +196,7 @@ class XyzReader {
   Status settle_commas(std::string_view& text) {
     if (commas_ == Commas::kNone) {
       commas_ = commas_of(text);
-      if (commas_ == Commas::kDecimal) separators_ = &kAllButCommas;
+      if (commas_ == Commas::kDecimal) separators_ = &kBetweenDecimals;
     } else if (commas_ == Commas::kSeparators && commas_of(text) >= Commas::kDecimal) {
       commas_ = Commas::kUnclear;
     }
@@ -211,13 +223,14 @@ class XyzReader {
     const std::size_t needed = named_ ? named_->needed() : 3;
     std::string_view rest = text;
     for (std::size_t column = 1; column <= needed; ++column) {
-      if (rest.starts_with(cell_) && !is_comment(without_indent(text))) {
+      const std::size_t end = rest.find(cell_);
+      if (end == std::string_view::npos) return {};
+      const bool is_empty = skip_separators(rest.data(), rest.data() + end, kNothing) == rest.data() + end;
+      if (is_empty && !is_comment(without_indent(text))) {
         return input_.fail(ErrorCode::kMalformed,
                            "line %llu: column %zu is empty in '%s';\tleave out such lines, or export the file again",
                            number(), column, Quote(text).c_str());
       }
-      const std::size_t end = rest.find(cell_);
-      if (end == std::string_view::npos) return {};
       rest.remove_prefix(end + 1);
     }
     return {};
@@ -300,7 +313,7 @@ class XyzReader {
   std::span<XyzRow> sample_;
   std::span<char> points_;
   Commas commas_ = Commas::kNone;  ///< of the rows so far
-  const Separators* separators_ = &kBlanksAndCommas;
+  const Separators* separators_ = &kBetween;
   char cell_ = 0;  ///< a comma or a semicolon that separates numbers; 0: none does
   std::size_t sampled_ = 0;
   std::optional<XyzColumns> named_;

@@ -52,6 +52,15 @@ inline std::string splat_ply(const std::vector<Splat>& splats, bool ascii = fals
 
 inline std::string gzip(std::string_view bytes) { return deflated(bytes, 16 + 15); }
 
+/// The nearest float of 16 bits, of a normal number.
+inline std::uint16_t half_of_double(double v) {
+  if (v == 0) return 0;
+  int exponent = 0;
+  const double fraction = std::frexp(std::abs(v), &exponent);  // 0.5 to 1
+  const auto bits = static_cast<unsigned>(std::lround(2048 * fraction)) + static_cast<unsigned>(exponent + 13) * 1024;
+  return static_cast<std::uint16_t>(bits | (v < 0 ? 0x8000U : 0U));
+}
+
 /// The bytes of an SPZ before its compression.
 inline std::string plain_spz(const std::vector<Splat>& splats, std::uint32_t version, int fraction_bits = 12) {
   const auto byte = [](double value) {
@@ -60,13 +69,17 @@ inline std::string plain_spz(const std::vector<Splat>& splats, std::uint32_t ver
   std::string positions, opacities, colours, scales, turns;
   for (const Splat& s : splats) {
     for (const double v : s.position) {
+      if (version == 1) {
+        positions += little(half_of_double(v));
+        continue;
+      }
       positions += little(static_cast<std::int32_t>(std::round(std::ldexp(v, fraction_bits)))).substr(0, 3);
     }
     opacities += byte(s.opacity * 255);
     colours += "rgb";
     for (const double r : s.radius) scales += byte(16 * (std::log(r) + 10));
     std::array<double, 4> q = {s.turn[1], s.turn[2], s.turn[3], s.turn[0]};
-    if (version == 2) {
+    if (version != 3) {
       for (std::size_t i = 0; i < 3; ++i) turns += byte(127.5 * ((q[3] < 0 ? -q[i] : q[i]) + 1));
       continue;
     }

@@ -28,6 +28,7 @@ struct SplatCase {
 std::vector<SplatCase> splat_cases(const std::vector<Splat>& splats) {
   return {{"binary.ply", splat_ply(splats), 1e-6, 1e-6},
           {"ascii.ply", splat_ply(splats, true), 1e-5, 1e-5},
+          {"one.spz", gzip(plain_spz(splats, 1)), 1e-6, 0.03},
           {"two.spz", gzip(plain_spz(splats, 2)), 2e-4, 0.03},
           {"three.spz", gzip(plain_spz(splats, 3)), 2e-4, 0.006}};
 }
@@ -126,7 +127,7 @@ TEST(SplatReader, SaysWhatIsWrongWithAnSpz) {
   EXPECT_THAT(with(0, "N").message(), ::testing::Not(HasSubstr("gzip")));
   EXPECT_THAT(with(0, "X").message(), HasSubstr("a.spz: this is a gzip archive; unpack it"));
   EXPECT_EQ(with(0, "X").code(), ErrorCode::kUnknownFormat);
-  EXPECT_THAT(with(4, little(1U)).message(), HasSubstr("SPZ of version 1 is not supported"));
+  EXPECT_THAT(with(4, little(0U)).message(), HasSubstr("SPZ of version 0 is not supported"));
   EXPECT_THAT(with(8, little(0U)).message(), HasSubstr("no splats"));
   EXPECT_THAT(with(8, little(~0U)).message(), HasSubstr("can't hold the 4294967295 splats"));
   EXPECT_THAT(with(8, little(200U)).message(), HasSubstr("too short for the 200 splats"));

@@ -109,6 +109,7 @@ TEST(XyzReader, TakesNamedColumnsByTheirNames) {
   expect_points(read("Punkt Nr.;x;y;z\n77;1;2;3\n78;-4;5,5;60\n", "a.csv"), kTwo, false);
   expect_points(read(",x,y,z\n77,1,2,3\n78,-4,5.5,60\n", "a.csv"), kTwo, false);
   expect_points(read("Index;X [mm];Y [mm];Z (mm)\n77;1;2;3\n78;-4;5,5;60\n", "a.csv"), kTwo, false);
+  expect_points(read("sep=;\r\nx;y;z\r\n1;2;3\r\n-4;5,5;60\r\n", "a.csv"), kTwo, false);
   const std::string wide =
       replaced("aaaaaaaaaaaaaaaa", "a", "a,") + "x,y,z\n" + replaced("7777777777777777", "7", "7,");
   EXPECT_THAT(read(wide + "1,2,3\n", "a.csv").message(),
@@ -124,6 +125,7 @@ TEST(XyzReader, RefusesAnEmptyCellBeforeTheLastCoordinate) {
                                     std::pair("1;2;3;4\n5;6;;8\n"s, "line 2: column 3 is empty in '5;6;;8'"),
                                     std::pair("1,2,3,4\n,6,7,8\n"s, "line 2: column 1 is empty in ',6,7,8'"),
                                     std::pair("id,x,y,z,r\n1,2,3,,5\n"s, "line 2: column 4 is empty in '1,2,3,,5'"),
+                                    std::pair("1,2,3,4\n5, ,7,8\n"s, "line 2: column 2 is empty in '5, ,7,8'"),
                                     std::pair(many + "5,,7,8\n", "line 101: column 2 is empty in '5,,7,8'")}) {
     const auto reading = read(file, "a.csv");
     EXPECT_EQ(reading.code(), ErrorCode::kMalformed) << file;
@@ -204,6 +206,15 @@ TEST(XyzReader, ReadsDecimalCommasAfterTheSampledRows) {
               HasSubstr("a.asc: line 102: '1.5 2.5 3.5' has a point, but the file has decimal commas"));
   const auto wide = read("1,5 2,5 3,5" + std::string(5000, ' ') + "4\n");
   EXPECT_THAT(wide.message(), HasSubstr("is long"));
+}
+
+TEST(XyzReader, ReadsNumbersInQuotes) {
+  expect_points(read("\"1\",\"2\",\"3\"\n\"-4\",\"5.5\",\"60\"\n", "a.csv"), kTwo, false);
+  expect_points(read("\"x\";\"y\";\"z\"\n\"1\";\"2,0\";\"3\"\n\"-4\";\"5,5\";\"60\"\n", "a.csv"), kTwo, false);
+  std::string many = "\"x\",\"y\",\"z\"\n";
+  for (int i = 0; i < 100; ++i) many += "\"1\",\"2\",\"3\"\n";
+  EXPECT_EQ(read(many, "a.csv").summary->points, 100U);
+  EXPECT_THAT(read(many + "\"5\",\"\",\"7\",\"8\"\n", "a.csv").message(), HasSubstr("line 102: column 2 is empty"));
 }
 
 TEST(XyzReader, RefusesCommasThatMayBeDecimalOrSeparateNumbers) {
