@@ -90,7 +90,8 @@ class Probe {
  private:
   /// Refuses UTF-16 and UTF-32: a byte order mark or, without one, ASCII in every second byte.
   Status refuse_wide_text() const {
-    const auto refuse = [&](const char* what) {
+    const auto refuse = [&](const char* what) -> Status {
+      PLUMBLINE_TRY(refuse_foreign(foreign_format(input_.name())));
       return input_.fail(ErrorCode::kUnsupported, "byte 0: the text is in %s;\tsave it as UTF-8 or ASCII", what);
     };
     if (window_.starts_with("\xff\xfe\0\0"sv) || window_.starts_with("\0\0\xfe\xff"sv)) return refuse("UTF-32");

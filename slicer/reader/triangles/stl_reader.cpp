@@ -104,6 +104,12 @@ class AsciiReader {
                                  "line %llu: longer than a line may be (%zu bytes);\texport it as binary STL", number(),
                                  lines_.input().capacity());
     }
+    // What a failing stick or a broken copy leaves: words that are lost would be facets that are missing.
+    if (open_ && line.text.find('\0') != std::string_view::npos) {
+      return lines_.input().fail(ErrorCode::kMalformed,
+                                 "line %llu: has bytes that are zero: the file is damaged;\tcopy or export it again",
+                                 number());
+    }
     LineWords words(line.text);
     for (auto keyword = words.next(); !keyword.empty(); keyword = words.next()) {
       if (same_word(keyword, "solid")) return {};  // what follows is its name

@@ -53,6 +53,8 @@ TEST(FormatProbe, NamesForeignFilesByTheirBytes) {
       {"<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"\">", "(COLLADA)"},
       {"MM" + length + std::string(20, '\1'), "(3D Studio)"},
       {"FORM\0\0\1\0LWO2"s, "(LightWave)"},
+      {"xof 0303txt 0032", "(DirectX)"},
+      {"*3DSMAX_ASCIIEXPORT\t200\n", "(3D Studio)"},
       {"# vtk DataFile Version 3.0\n", "(VTK)"},
       {"\x19\0\xfd\x12 rest"s, "is sliced for another printer (Chitubox); export it as .sl1"},
       {"ANYCUBIC\0\0\0\0"s, "(Photon Workshop)"},
@@ -80,6 +82,7 @@ TEST(FormatProbe, NamesForeignFilesByTheirNamesWhereTheBytesSayNothing) {
                                            std::tuple("\x1f\x8b\x08 rest"s, "part.blend", "is a project (Blender)"),
                                            std::tuple("\x1f\x8b\x08 rest"s, "part.stl.gz", "is packed (7z, gzip"),
                                            std::tuple("1 2 3\n"s, "part.dwg", "is a CAD model (DWG)"),
+                                           std::tuple("\xff\xfe<\0?\0x\0m\0l\0"s, "part.dae", "(COLLADA)"),
                                            std::tuple(rubbish, "scan.fls", "is a scan that is not read (FARO)")}) {
     EXPECT_THAT(read(bytes, name).message(), HasSubstr(words)) << name;
   }

@@ -289,6 +289,7 @@ TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
       {"a.stl", text.substr(0, text.size() / 2), kTruncated, "copy or export it again"},
       {"a.stl", text.substr(0, text.rfind("endsolid")), kTruncated, "before 'endsolid'"},
       {"a.stl", replaced(text, "vertex 0 0 0", "vertex 0 x 0"), kMalformed, "expected a number for y, found 'x'"},
+      {"a.stl", replaced(text, "endloop", "endl\0\0p"s), kMalformed, "has bytes that are zero"},
       {"a.stl", "solid\nfacet\nvertex 0 0 0\nvertex 1 1 1\nendfacet\nendsolid\n", kMalformed,
        "line 5: a facet has 2 corners"},
       {"a.stl", "solid\nfacet\nvertex 0 0 0\nvertex 1 1 1\nvertex 1 0 1\nvertex 2 0 1\nendfacet\nendsolid\n",
