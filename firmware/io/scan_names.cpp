@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "slicer/core/words/printable_text.hpp"
+#include "slicer/reader/formats/foreign_formats.hpp"
 #include "slicer/reader/formats/scan_endings.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
@@ -31,12 +32,19 @@ bool is_scan_file_name(std::string_view name) {
 }
 
 void FolderScans::add(std::string_view name) {
-  if (!is_scan_file_name(name)) return;
+  if (!is_scan_file_name(name)) {
+    if (foreign_format(name) != nullptr && (foreign_.empty() || name < foreign_)) foreign_ = name;
+    return;
+  }
   if (++count_ <= kMostScans) names_.emplace_back(name);
 }
 
 Expected<std::vector<std::string>> FolderScans::paths(std::string_view folder) const {
   const PrintableText shown(folder, 200);
+  if (const ForeignFormat* const foreign = foreign_format(foreign_); count_ == 0 && foreign != nullptr) {
+    return fail(ErrorCode::kNoPoints, "%s: the folder has no scans, and %s %s (%s):\t%s", shown.c_str(),
+                PrintableText(foreign_, 79).c_str(), foreign->kind.what, foreign->program, foreign->kind.advice);
+  }
   if (count_ == 0) {
     return fail(ErrorCode::kNoPoints,
                 "%s: the folder has no scans:\tname one with files such as .ply, .stl, .xyz or .e57 in it",

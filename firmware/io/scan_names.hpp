@@ -21,18 +21,19 @@ bool is_scan_file_name(std::string_view name);
 /// The scans of a folder, which together are one scan.
 class FolderScans {
  public:
-  /// @param name  of a file in the folder; files that are no scans are passed over
+  /// @param name  of a file in the folder; files that are no scans are passed over, but one that can be named is remembered
   void add(std::string_view name);
 
   /// @param folder  its path, without a slash at the end
   /// @returns the paths of its scans, 1 to kMostScans, sorted by name
-  /// @retval ErrorCode::kNoPoints    it has no scans
+  /// @retval ErrorCode::kNoPoints    it has no scans; what another file is and how to export it, if that is known
   /// @retval ErrorCode::kBadSetting  it has more than kMostScans: how many
   [[nodiscard]] Expected<std::vector<std::string>> paths(std::string_view folder) const;
 
  private:
   std::vector<std::string> names_;  ///< kMostScans at most
   std::size_t count_ = 0;
+  std::string foreign_;  ///< the first by name that foreign_format() knows; empty: there is none
 };
 
 /// A path without the slashes at its end.

@@ -45,6 +45,11 @@ TEST(FolderScans, AreSortedAndNoMoreThanAScanMayHave) {
   const auto many = scans.paths("bust");
   ASSERT_FALSE(many);
   EXPECT_THAT(many.error().message(), testing::HasSubstr("bust: the folder has 33 scans, but one scan may have 32"));
+  FolderScans models;
+  for (const char* name : {"readme.txt", "part.step", "b.skp"}) models.add(name);
+  EXPECT_THAT(
+      models.paths("cad").error().message(),
+      testing::HasSubstr("cad: the folder has no scans, and b.skp is a CAD model (SketchUp): export it as STL"));
   EXPECT_THAT(FolderScans().paths("empty").error().message(), testing::HasSubstr("empty: the folder has no scans"));
 }
 
