@@ -336,6 +336,10 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   const auto ready = make_ready(options, *setup, *printer, store ? &*store : nullptr, session, terminal);
   if (!ready) return report_error(ready.error());
 
+  if (outputs->part) {
+    if (const auto room = check_room_for_part(*outputs->part, session); !room) return report_error(room.error());
+  }
+
   // The machine is opened after slicing, because a simulated one's time begins with its first use.
   SimulationOptions simulation = options.simulation;
   simulation.keep_part = outputs->part.has_value();

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -50,6 +51,12 @@ bool is_our_manifest(const char* path) {
   const ssize_t got = ::read(file, start.data(), start.size());
   ::close(file);
   return got == static_cast<ssize_t>(start.size()) && std::string_view(start.data(), start.size()) == kManifestStart;
+}
+
+std::uint64_t bytes_on_disk(const char* path) {
+  struct stat status = {};
+  constexpr std::uint64_t kBlock = 512;  // of st_blocks
+  return ::lstat(path, &status) == 0 ? kBlock * static_cast<std::uint64_t>(status.st_blocks) : 0;
 }
 
 struct CloseDirectory {
@@ -123,6 +130,7 @@ JobDirectory::JobDirectory(JobDirectory&& other) noexcept
       created_layers_(std::exchange(other.created_layers_, false)),
       begun_(other.begun_),
       older_end_(other.older_end_),
+      older_bytes_(other.older_bytes_),
       written_end_(other.written_end_) {}
 
 JobDirectory::~JobDirectory() {
@@ -150,6 +158,7 @@ Status JobDirectory::inspect() {
   const bool has_manifest = is_our_manifest(file_path(kManifest).c_str());
   PLUMBLINE_TRY(for_each_entry(path(), [&](const char* name) -> Status {
     const std::string_view entry = name;
+    if (is_picture(entry)) older_bytes_ += bytes_on_disk(file_path(name).c_str());
     if (has_manifest || entry == kLayers || entry == kNewManifest || is_picture(entry)) return {};
     return fail(
         ErrorCode::kCannotWrite,
@@ -173,12 +182,24 @@ Status JobDirectory::inspect_layers() {
   return for_each_entry(layers.c_str(), [&](const char* name) -> Status {
     if (const auto layer = layer_number(name)) {
       older_end_ = std::max(older_end_, *layer + 1);
+      older_bytes_ += bytes_on_disk(layer_path(*layer).c_str());
       return {};
     }
     return fail(ErrorCode::kCannotWrite,
                 "%s: holds '%s', which is not a layer; nothing was changed.\tChoose a new or an empty output folder",
                 layers.c_str(), name);
   });
+}
+
+Status JobDirectory::check_room(const char* what, std::uint64_t bytes) const {
+  struct statvfs room = {};
+  if (::fstatvfs(lock_, &room) != 0) return {};  // a file system that does not say is found full when it is
+  const std::uint64_t free = std::uint64_t{room.f_bavail} * room.f_frsize + older_bytes_;
+  if (bytes <= free) return {};
+  constexpr double kMb = 1e6;
+  return fail(ErrorCode::kCannotWrite,
+              "%s: %s needs some %.1f MB, %.1f MB are free.\tMake room there, or choose another folder", path(), what,
+              static_cast<double>(bytes) / kMb, static_cast<double>(free) / kMb);
 }
 
 Status JobDirectory::begin() {

@@ -43,6 +43,11 @@ class JobDirectory {
   JobDirectory& operator=(JobDirectory&&) = delete;
   ~JobDirectory();
 
+  /// Checks that its file system has room for `bytes`; the older job's files count as free, since they will be replaced.
+  /// @param what  that needs them, for the message
+  /// @retval ErrorCode::kCannotWrite  it has not; what is needed and what is free
+  [[nodiscard]] Status check_room(const char* what, std::uint64_t bytes) const;
+
   /// Removes the older job's manifest and pictures: from now on the folder holds no complete job. This and all later calls
   /// take no memory from the heap.
   /// @retval ErrorCode::kCannotWrite
@@ -81,6 +86,7 @@ class JobDirectory {
   bool created_layers_ = false;
   bool begun_ = false;
   std::uint32_t older_end_ = 0;    ///< one past the older job's last layer
+  std::uint64_t older_bytes_ = 0;  ///< that the older job's layers and pictures take on the disk
   std::uint32_t written_end_ = 0;  ///< one past the last layer written
 };
 

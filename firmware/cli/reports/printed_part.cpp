@@ -99,6 +99,26 @@ Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep
 
 }  // namespace
 
+Status check_room_for_part(const JobDirectory& directory, PrintSession& session) {
+  const PrintGrid& grid = session.grid();
+  auto encoder = PngEncoder::for_masks(grid.columns, grid.rows);
+  PLUMBLINE_TRY(encoder);
+  // Enough layers for a mean, since neighbours resemble each other.
+  constexpr std::uint32_t kMostSamples = 64;
+  const std::uint32_t samples = std::min(grid.layers, kMostSamples);
+  constexpr std::uint64_t kBlock = 4096;  // file systems give whole ones
+  std::uint64_t sampled = 0;
+  for (std::uint32_t sample = 0; sample < samples; ++sample) {
+    const auto layer = static_cast<std::uint32_t>(std::uint64_t{sample} * grid.layers / samples);
+    const auto mask = session.mask(layer);
+    PLUMBLINE_TRY(mask);
+    sampled += (encoder->encode(*mask).size() + kBlock - 1) / kBlock * kBlock;
+  }
+  constexpr std::uint64_t kPicturesAndManifest = 2'000'000;
+  const std::uint64_t layers = samples > 0 ? sampled * grid.layers / samples : 0;
+  return directory.check_room("the printed part", layers + kPicturesAndManifest);
+}
+
 Status write_printed_part(JobDirectory& directory, const Witness& witness, PrintSession& session, Arena& arena) {
   PLUMBLINE_TRY(directory.begin());
   const PrintGrid& grid = session.grid();

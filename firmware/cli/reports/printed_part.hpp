@@ -8,6 +8,12 @@
 
 namespace plumbline {
 
+/// Checks, before the print, that the folder has room for the part, by the masks' sizes.
+/// @pre the session is ready to print
+/// @retval ErrorCode::kCannotWrite  it has not
+/// @retval the errors of PrintSession::mask() and PngEncoder
+[[nodiscard]] Status check_room_for_part(const JobDirectory& directory, PrintSession& session);
+
 /// Writes what was cured as `plumbline slice` writes its layers: layers, preview.png, manifest.json if this session sliced the
 /// scan, and comparison.png, which shows the part beside what was to be printed. For the desktop: uses the heap.
 /// @param arena  its free part is used for the picture

@@ -40,6 +40,23 @@ class Print(Program):
         hashes = [line["mask_hash"] for line in resumed["exposures"]]
         self.assertEqual(hashes, sliced["hashes"]["layers"][resumed["first_layer"] :])
 
+    def test_a_part_that_its_disk_has_no_room_for_is_refused_before_the_print(self):
+        write_sphere(self.scan)
+        disk, report = self.dir / "disk", self.dir / "report.json"
+        disk.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "none", disk], capture_output=True, check=False).returncode:
+            self.skipTest("a small disk needs the right to mount one")
+        self.addCleanup(subprocess.run, ["umount", disk], check=True)
+        same = ("print", self.scan, "--printer", SIM2K, "--scale", 0.5, "--report", report)
+        refused = self.run_it(*same, "--keep-part", disk / "part", status=1)
+        self.assertRegex(refused.stderr, r"part: the printed part needs some [3-9]\.\d MB, 2\.\d MB are free\.\s+Make room")
+        self.assertFalse(report.exists() or (disk / "part").exists())
+        subprocess.run(["mount", "-o", "remount,size=8m", disk], check=True)
+        self.run_it(*same, "--keep-part", disk / "part")
+        # What the part takes now counts as free for the next one, which replaces it.
+        subprocess.run(["mount", "-o", "remount,size=4m", disk], check=True)
+        self.run_it(*same, "--keep-part", disk / "part")
+
     def test_what_nothing_holds_is_lost_and_named_with_layer_place_and_volume(self):
         # A ball beside another whose lower pole is 6 mm higher: it begins in the air.
         write_sphere(self.scan, radius=6)

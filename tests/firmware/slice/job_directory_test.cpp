@@ -123,6 +123,17 @@ TEST(JobDirectory, StaysIfItExistedBeforeADiscardedJob) {
   EXPECT_THAT(tree(folder / "out"), IsEmpty());
 }
 
+TEST(JobDirectory, SaysWhereThereIsNoRoom) {
+  const TemporaryFolder folder;
+  auto directory = JobDirectory::open(folder / "out");
+  ASSERT_TRUE(directory.has_value());
+  EXPECT_TRUE(directory->check_room("the part", 1).has_value());
+  const auto refused = directory->check_room("the part", std::uint64_t{1} << 60);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code(), ErrorCode::kCannotWrite);
+  EXPECT_THAT(refused.error().message(), HasSubstr("out: the part needs some 1152921504606.8 MB, "));
+}
+
 TEST(JobDirectory, RefusesAFolderThatHoldsOtherFiles) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "out/layers");
