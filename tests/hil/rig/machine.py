@@ -81,6 +81,7 @@ class Machine:
     def __init__(self, folder, kernel, initramfs, arch="arm64", memory_mb=256, disk=None, panel=(640, 480), gate=None, screen=None):
         self.folder, self.panel, self.gate = folder, panel, gate
         self.events, self.edges, self.level = [], [], {}
+        self.kernel_resets = 0
         self.answers, self.answered, self.asking = [], threading.Condition(), threading.Lock()
         program, cpu, board = {
             "arm64": ("qemu-system-aarch64", "cortex-a53", "virt"),
@@ -145,6 +146,17 @@ class Machine:
                     raise RuntimeError(f"{what}: {answer['error']}")
                 else:
                     return answer["return"]
+
+    def reset_by_watchdog(self):
+        """Whether a watchdog has reset the guest since this was last asked: QEMU's, or the kernel's, which says so on the console."""
+        self.ask("query-status")
+        by_qemu = any(event["event"] == "WATCHDOG" for event in self.events)
+        before = self.kernel_resets
+        self.kernel_resets = (self.folder / "console").read_bytes().count(b"softdog: Initiating system reboot")
+        if not by_qemu and self.kernel_resets == before:
+            return False
+        self.events.clear()
+        return True
 
     def pin(self, command):
         """@returns QEMU's answer; all edges before it are in `edges` by then"""

@@ -86,11 +86,9 @@ class Stopped(rig.Rig):
         """Nobody is left to turn the lamp off, so the board's watchdog does."""
         self.assertTrue(self.stage.lit())
         until = time.monotonic() + rig.PATIENCE
-        while not any(event["event"] == "WATCHDOG" for event in self.machine.events):
+        while not self.machine.reset_by_watchdog():
             self.assertLess(time.monotonic(), until, "the watchdog does not reset the board")
-            self.machine.ask("query-status")
             time.sleep(0.05)
-        self.machine.events.clear()
         self.boot()
         self.run_in_guest("touch /state/plate-is-empty")  # the state was in memory
         self.pull()
