@@ -206,13 +206,13 @@ class MeshDocument final : public ModelDocument {
     constexpr std::array<std::string_view, 3> kCorners = {"v1", "v2", "v3"};
     for (std::size_t k = 0; k < 3; ++k) {
       const auto text = attributes[kCorners[k]];
-      const auto vertex = parse_count(text);
-      if (!vertex || *vertex >= vertices_.size()) {
+      std::uint64_t vertex = 0;
+      if (!parse_number(text, vertex) || vertex >= vertices_.size()) {
         return parser_->complain("a triangle names vertex '%s', but there are %llu, numbered from 0",
                                  Quote(text).c_str(), static_cast<unsigned long long>(vertices_.size()));
       }
-      vertices_.use(*vertex);
-      corners[k] = vertices_.at(*vertex);
+      vertices_.use(vertex);
+      corners[k] = vertices_.at(vertex);
     }
     for (const Affine& place : parts().instances()) {
       Triangle t;

@@ -95,7 +95,8 @@ TEST(ThreeMf, ALargeModelMayBeStored) {
 }
 
 TEST(ThreeMf, NumbersMayHaveBlanksAroundThemAndPathsBackslashes) {
-  const std::string model = replaced(built(block(1), "<item objectid=\"1\"/>"), "x=\"1\"", "x=\"  1.0E+00 \"");
+  std::string model = replaced(built(block(1), "<item objectid=\" 1\"/>"), "x=\"1\"", "x=\"  1.0E+00 \"");
+  model = replaced(model, "v2=\"2\"", "v2=\" 2\n\"");
   const ThreeMf file(zip_of({{"3D\\root.model", model}, {"_rels\\.rels", relations_to("/3D/root.model")}}));
   expect_box(file, {0, 0, 0}, {1, 2, 3}, 6, "blanks and backslashes");
 }
