@@ -24,8 +24,8 @@ struct SurveyScratch {
   std::span<std::uint64_t> section;   ///< an image of the grid
   std::span<std::uint32_t> nearest;   ///< as many as the longer side of the grid has pixels
   std::span<std::uint32_t> seen;      ///< the same
-  std::span<std::uint16_t> heights;   ///< height_cells()
-  std::span<std::uint8_t> materials;  ///< the larger of height_cells() and the longer side
+  std::span<std::uint16_t> heights;   ///< height_cells(), for the view from above
+  std::span<std::uint8_t> materials;  ///< as many as heights; of the others, as many as nearest
 };
 
 enum class Side : std::uint8_t { kFront, kSide, kTop };

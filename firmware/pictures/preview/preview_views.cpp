@@ -27,10 +27,6 @@ void draw_floor(const Picture& picture, std::int64_t left, std::int64_t width, s
 
 std::uint32_t longer_side(const PrintGrid& grid) { return std::max(grid.columns, grid.rows); }
 
-std::size_t material_bytes(const PrintGrid& grid) {
-  return std::max<std::size_t>(height_cells(grid), longer_side(grid));
-}
-
 /// Samples of maps of a page, at most.
 struct Samples {
   Samples(const Page& page, Views views) {
@@ -59,10 +55,12 @@ struct View {
 std::size_t views_bytes(const PrintGrid& grid, const Page& page, Views views) {
   const Samples samples(page, views);
   const std::size_t room = Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
-                           2 * Arena::rounded(std::size_t{longer_side(grid)} * sizeof(std::uint32_t));
-  return room + Arena::rounded(height_cells(grid) * sizeof(std::uint16_t)) + Arena::rounded(material_bytes(grid)) +
-         Arena::rounded(samples.walls * sizeof(float)) + Arena::rounded(samples.walls) +
-         std::max(room + Arena::rounded(longer_side(grid)), Arena::rounded(samples.largest * sizeof(float)));
+                           2 * Arena::rounded(std::size_t{longer_side(grid)} * sizeof(std::uint32_t)) +
+                           Arena::rounded(longer_side(grid));
+  const std::size_t cells = views == Views::kThreeSides ? height_cells(grid) : 0;
+  const std::size_t from_above = Arena::rounded(cells * sizeof(std::uint16_t)) + Arena::rounded(cells);
+  return room + Arena::rounded(samples.walls * sizeof(float)) + Arena::rounded(samples.walls) +
+         std::max({room, Arena::rounded(samples.largest * sizeof(float)), from_above});
 }
 
 Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& supports, const Page& page, Views views,
@@ -70,14 +68,13 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
   const PrintGrid& grid = rrep.grid;
   const ArenaScope scope(arena);
   std::array<SurveyScratch, 2> room;  // of two views at once
-  const auto take_room = [&](SurveyScratch& one, std::size_t material_count) -> Status {
+  const auto take_room = [&](SurveyScratch& one) -> Status {
     PLUMBLINE_TRY(arena.take_top(one.section, BitImage::words_needed(grid.columns, grid.rows), kStage));
     PLUMBLINE_TRY(arena.take_top(one.nearest, longer_side(grid), kStage));
     PLUMBLINE_TRY(arena.take_top(one.seen, longer_side(grid), kStage));
-    return arena.take_top(one.materials, material_count, kStage);
+    return arena.take_top(one.materials, longer_side(grid), kStage);
   };
-  PLUMBLINE_TRY(take_room(room[0], material_bytes(grid)));
-  PLUMBLINE_TRY(arena.take_top(room[0].heights, height_cells(grid), kStage));
+  PLUMBLINE_TRY(take_room(room[0]));
   const Samples most(page, views);
   const auto samples = arena.take_top<std::uint8_t>(most.walls, kStage);
   PLUMBLINE_TRY(samples);
@@ -107,28 +104,35 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
   const auto see = [&](const View& view, const SurveyScratch& one, const DepthMap& map) {
     survey(rrep, supports, extent, layout, one, view.side, map);
   };
-  std::span<float> scratch;
-  const auto draw = [&](const View& view, const DepthMap& map) {
+  const auto draw = [&](const View& view, const DepthMap& map) -> Status {
+    const ArenaScope one(arena);
+    std::span<float> scratch;
+    PLUMBLINE_TRY(arena.take_top(scratch, most.largest, kStage));
     const float across = in_samples(std::max(view.across_mm, view.up_mm));
     smooth_depth(map, scratch, {.across = across, .deep = in_samples(view.deep_mm)});
     shade_depth(map, scratch, picture, view.left, view.top, kMaterials);
+    return {};
   };
   // All at once would need more memory than most stages of a small job.
   const DepthMap front = map_of(sides[0], 0), side = map_of(sides[1], front.depth.size());
   {
     const ArenaScope both(arena);
-    PLUMBLINE_TRY(take_room(room[1], longer_side(grid)));
+    PLUMBLINE_TRY(take_room(room[1]));
     const std::size_t walls = views == Views::kThreeSides ? 2 : 1;
 #pragma omp parallel for schedule(static, 1)
     for (std::size_t i = 0; i < walls; ++i) see(sides[i], room[i], i == 0 ? front : side);
   }
-  PLUMBLINE_TRY(arena.take_top(scratch, most.largest, kStage));
-  draw(sides[0], front);
+  PLUMBLINE_TRY(draw(sides[0], front));
   if (views == Views::kThreeSides) {
-    draw(sides[1], side);
+    PLUMBLINE_TRY(draw(sides[1], side));
     const DepthMap top = map_of(sides[2], 0);
-    see(sides[2], room[0], top);
-    draw(sides[2], top);
+    {
+      const ArenaScope from_above(arena);
+      PLUMBLINE_TRY(arena.take_top(room[0].heights, height_cells(grid), kStage));
+      PLUMBLINE_TRY(arena.take_top(room[0].materials, height_cells(grid), kStage));
+      see(sides[2], room[0], top);
+    }
+    PLUMBLINE_TRY(draw(sides[2], top));
   }
   return std::optional<Layout>(layout);
 }

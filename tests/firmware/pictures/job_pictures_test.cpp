@@ -179,6 +179,10 @@ TEST(SmallPictures, AreDrawnAtTheirOwnSize) {
   grid.rows = 2560;
   grid.layers = 3000;
   EXPECT_LT(preview_picture_bytes(grid), std::size_t{13} << 20U);
+  // Two sections of 4 MiB. The second one is given back before the heights of the view from above are taken.
+  grid.columns = 7680;
+  grid.rows = 4320;
+  EXPECT_LT(preview_picture_bytes(grid), std::size_t{12} << 20U);
   grid.columns = grid.rows = 100;
   EXPECT_LT(preview_picture_bytes(grid), std::size_t{3} << 20U);
 }
