@@ -42,7 +42,7 @@ class RayStages {
   Expected<CrossingStore> run() {
     PLUMBLINE_TRY(start_confidence());
     PLUMBLINE_TRY(limit_supports());
-    join();
+    PLUMBLINE_TRY(join());
     PLUMBLINE_TRY(build_winding_tree());
     PLUMBLINE_TRY(build_flat_tree());
     PLUMBLINE_TRY(admit());
@@ -74,13 +74,15 @@ class RayStages {
     return {};
   }
 
-  /// Joins points. The height of the base plane is measured first, since a joined point lies above its lowest one.
-  void join() {
+  /// Joins points, more of them where the arena is short. The height of the base plane is measured first, since a joined point lies
+  /// above its lowest one.
+  Status join() {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     base_height_ = report_.floor_mm ? *report_.floor_mm : base_plane(cloud_.positions(), grid().layer_height_mm);
     const std::uint32_t points = cloud_.size;
-    join_points(cloud_);
+    join_points(cloud_, most_ray_points(placed(false), arena_));
     spread_ = std::sqrt(static_cast<float>(points) / static_cast<float>(cloud_.size));
+    return cloud_.give_back(arena_);
   }
 
   Status build_winding_tree() {
@@ -112,14 +114,16 @@ class RayStages {
     return {};
   }
 
-  Status admit() {
-    const PlacedObject object{.cloud = cloud_,
-                              .read_points = report_.cloud_points,
-                              .grid = grid(),
-                              .confidence = settings_.confidence,
-                              .threads = settings_.threads};
-    return admit_rays(object, arena_, report_.planned_bytes);
+  PlacedObject placed(bool is_joined) const {
+    return {.cloud = cloud_,
+            .read_points = report_.cloud_points,
+            .grid = grid(),
+            .confidence = settings_.confidence,
+            .threads = settings_.threads,
+            .is_joined = is_joined};
   }
+
+  Status admit() { return admit_rays(placed(true), arena_, report_.planned_bytes); }
 
   bool is_height_field() const {
     return winding_.has_base() && report_.clustering.points.is_negligible(PointClass::kEntering);

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 namespace plumbline {
 namespace {
@@ -57,6 +58,21 @@ void Cloud::drop_noise() {
     ++kept;
   }
   size = kept;
+}
+
+Status Cloud::give_back(Arena& arena) {
+  const Cloud before = *this;
+  const auto bytes_of = [](auto... column) { return (Arena::rounded(column.size_bytes()) + ...); };
+  arena.release_top(arena.top_mark() + bytes_of(position, normal, radius));
+  // The first column lies highest. Each moves up, over room that those above it have left.
+  const auto move = [&](auto& column, auto from) -> Status {
+    PLUMBLINE_TRY(arena.take_top(column, size, "cloud"));
+    std::memmove(static_cast<void*>(column.data()), from.data(), column.size_bytes());
+    return {};
+  };
+  PLUMBLINE_TRY(move(position, before.position));
+  PLUMBLINE_TRY(move(normal, before.normal));
+  return move(radius, before.radius);
 }
 
 std::size_t Cloud::reorder_bytes(std::uint32_t points) { return points * sizeof(Piece); }

@@ -84,6 +84,10 @@ struct Cloud {
   /// Removes the points of class kNoise and keeps the order of the others.
   void drop_noise();
 
+  /// Gives the room of points that are not in use back to the arena, where nothing has been taken at the top since create().
+  /// @retval ErrorCode::kOutOfMemory  only in an arena that refuses a block; the points are lost
+  [[nodiscard]] Status give_back(Arena& arena);
+
   /// Bytes that reorder() takes.
   static std::size_t reorder_bytes(std::uint32_t points);
   /// Moves point order[i] to i. Takes room at the top of the arena, and releases it.

@@ -1,7 +1,7 @@
 #include "slicer/cloud/kd_tree.hpp"
 
 // nanoflann has no allocator hook: its pool calls ::malloc and ::free, and its index is a std::vector. Only this file
-// includes it. TreeBuilder makes the nodes, so the pool stays empty. All headers that nanoflann needs come first. Then malloc
+// includes it. TreeBuilder makes the nodes, so the pool stays empty, and the tree is searched below. All headers that nanoflann needs come first. Then malloc
 // and free are redirected around that one include, and std::allocator is specialised for an index type of our own, as the
 // standard allows.
 #include <algorithm>
@@ -108,27 +108,25 @@ float next_up(float x) {
   return x < std::numeric_limits<float>::infinity() ? std::bit_cast<float>(std::bit_cast<std::uint32_t>(x) + 1) : x;
 }
 
-/// nanoflann's result set for the k nearest accepted points, in the caller's buffer. Ties are broken by index, so the
-/// result does not depend on the order of the leaves.
+/// The k nearest accepted points, in the caller's buffer. Ties are broken by index, so the result does not depend on the order
+/// of the leaves.
 class NearestSet {
  public:
-  using DistanceType = float;
   NearestSet(std::span<Neighbour> found, float most2, const FunctionRef<bool(std::uint32_t)>* accept)
       : found_(found), beyond2_(next_up(most2)), accept_(accept) {}
   std::size_t size() const { return count_; }
   bool full() const { return count_ == found_.size(); }
-  float worstDist() const {  // NOLINT(readability-identifier-naming): nanoflann's name
+  /// Square of a distance, mm^2; what is not closer doesn't count.
+  float beyond2() const {
     // The next float up: a point at exactly the worst distance with a smaller index must not be pruned.
     return full() ? next_up(found_[count_ - 1].distance2) : beyond2_;
   }
-  bool addPoint(float distance2, PointIndex index) {  // NOLINT(readability-identifier-naming): nanoflann's name
-    if (accept_ != nullptr && !(*accept_)(index.value)) return true;
-    const Neighbour point{index.value, distance2};
-    if (full() && !(point < found_[count_ - 1])) return true;
+  void add(const Neighbour& point) {
+    if (accept_ != nullptr && !(*accept_)(point.index)) return;
+    if (full() && !(point < found_[count_ - 1])) return;
     std::size_t at = full() ? count_ - 1 : count_++;
     for (; at > 0 && point < found_[at - 1]; --at) found_[at] = found_[at - 1];
     found_[at] = point;
-    return true;
   }
 
  private:
@@ -144,7 +142,6 @@ template <int Dimension>
 struct KdTree<Dimension>::Impl {
   using Metric = nanoflann::L2_Simple_Adaptor<float, PointSet, float, PointIndex>;
   using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointSet, Dimension, PointIndex>;
-  using Node = typename Index::Node;
 
   explicit Impl(std::span<const Vec3f> points)
       : set{points},
@@ -152,6 +149,7 @@ struct KdTree<Dimension>::Impl {
 
   /// Walks the leaves that overlap a box, and joins adjacent ones before it passes them to `visit`.
   struct Visitor {
+    const TreeNodes& nodes;
     const float* low;
     const float* high;
     FunctionRef<void(std::uint32_t, std::uint32_t)> visit;
@@ -171,37 +169,90 @@ struct KdTree<Dimension>::Impl {
       first = last = 0;
     }
     /// @param open  bits of the box's sides that the node may reach beyond: 2 f and 2 f + 1 for low[f] and high[f]
-    void walk(const Node* node, std::uint32_t open) {
-      while (node->child1 != nullptr && open != 0) {
-        const auto& split = node->node_type.sub;
-        const bool left = low[split.divfeat] <= split.divlow;
-        const bool right = high[split.divfeat] >= split.divhigh;
-        const std::uint32_t of_left = split.divlow <= high[split.divfeat] ? open & ~(2U << 2 * split.divfeat) : open;
-        const std::uint32_t of_right = split.divhigh >= low[split.divfeat] ? open & ~(1U << 2 * split.divfeat) : open;
-        if (left && right) walk(node->child1, of_left);
+    void walk(const TreeNode* node, std::uint32_t open) {
+      while (!node->is_leaf() && open != 0) {
+        const auto [below, above] = node->split;
+        const std::uint32_t axis = node->axis();
+        const bool left = low[axis] <= below;
+        const bool right = high[axis] >= above;
+        const std::uint32_t of_left = below <= high[axis] ? open & ~(2U << 2 * axis) : open;
+        const std::uint32_t of_right = above >= low[axis] ? open & ~(1U << 2 * axis) : open;
+        if (left && right) walk(&nodes.left_of(*node), of_left);
         if (!right) {
           if (!left) return;
-          node = node->child1;
+          node = &nodes.left_of(*node);
           open = of_left;
         } else {
-          node = node->child2;
+          node = &nodes.right_of(*node);
           open = of_right;
         }
       }
       leaf(first_of(node), last_of(node));
     }
+    std::uint32_t first_of(const TreeNode* node) const {
+      while (!node->is_leaf()) node = &nodes.left_of(*node);
+      return node->leaf.first;
+    }
+    /// One past the node's last point.
+    std::uint32_t last_of(const TreeNode* node) const {
+      while (!node->is_leaf()) node = &nodes.right_of(*node);
+      return node->leaf.last;
+    }
   };
 
-  static std::uint32_t first_of(const Node* node) {
-    while (node->child1 != nullptr) node = node->child1;
-    return static_cast<std::uint32_t>(node->node_type.lr.left);
-  }
-  /// One past the node's last point.
-  static std::uint32_t last_of(const Node* node) {
-    while (node->child1 != nullptr) node = node->child2;
-    return static_cast<std::uint32_t>(node->node_type.lr.right);
-  }
+  /// Finds the nearest points of a place, the closer child first.
+  struct Search {
+    const Impl& tree;
+    const float* query;
+    NearestSet& found;
+    std::array<float, Dimension> gap2 = {};  ///< mm^2, of the node from the query, by axis
+
+    float square(float a, std::size_t axis) const { return (query[axis] - a) * (query[axis] - a); }
+
+    void run() {
+      const auto& box = tree.index.root_bbox;
+      float sum2 = 0;
+      for (std::size_t axis = 0; axis < Dimension; ++axis) {
+        if (query[axis] < box[axis].low) gap2[axis] = square(box[axis].low, axis);
+        if (query[axis] > box[axis].high) gap2[axis] = square(box[axis].high, axis);
+        sum2 += gap2[axis];
+      }
+      walk(tree.nodes.root(), sum2);
+    }
+    /// @param sum2  mm^2, of gap2
+    void walk(const TreeNode& node, float sum2) {
+      if (node.is_leaf()) {
+        look(node.leaf);
+        return;
+      }
+      const auto [below, above] = node.split;
+      const std::uint32_t axis = node.axis();
+      const bool left = (query[axis] - below) + (query[axis] - above) < 0;
+      const TreeNode* const children = &tree.nodes.left_of(node);
+      walk(children[left ? 0 : 1], sum2);
+      const float other2 = square(left ? above : below, axis);
+      const float before2 = gap2[axis];
+      sum2 = sum2 + other2 - before2;
+      if (!(sum2 <= found.beyond2())) return;
+      gap2[axis] = other2;
+      walk(children[left ? 1 : 0], sum2);
+      gap2[axis] = before2;
+    }
+    void look(const TreeNode::Leaf& leaf) {
+      const float beyond2 = found.beyond2();
+      for (std::uint32_t k = leaf.first; k < leaf.last; ++k) {
+        const std::uint32_t index = tree.index.vAcc[k];
+        float distance2 = 0;
+        for (std::size_t axis = 0; axis < Dimension; ++axis) {
+          distance2 += square(tree.set.points[index][static_cast<int>(axis)], axis);
+        }
+        if (distance2 < beyond2) found.add({index, distance2});
+      }
+    }
+  };
+
   PointSet set;
+  TreeNodes nodes;
   Index index;
 };
 
@@ -217,7 +268,7 @@ Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> poin
   bool built = false;
   try {
     tree.impl_ = new (place->data()) Impl(points);
-    built = TreeBuilder(tree.impl_->index, memory).run();
+    built = TreeBuilder(tree.impl_->index, tree.impl_->nodes, memory).run();
   } catch (const std::bad_alloc&) {  // of the order of the points
   }
   if (!built) {
@@ -246,7 +297,7 @@ void KdTree<Dimension>::adopt_order() {
 template <int Dimension>
 std::uint32_t KdTree<Dimension>::nearest(const Vec3f& query, std::span<Neighbour> found) const {
   NearestSet set(found, std::numeric_limits<float>::max(), nullptr);
-  impl_->index.findNeighbors(set, query.data(), nanoflann::SearchParams());
+  typename Impl::Search{*impl_, query.data(), set}.run();
   return static_cast<std::uint32_t>(set.size());
 }
 
@@ -254,16 +305,15 @@ template <int Dimension>
 std::uint32_t KdTree<Dimension>::nearest(const Vec3f& query, std::span<Neighbour> found,
                                          FunctionRef<bool(std::uint32_t)> accept, float most2) const {
   NearestSet set(found, most2, &accept);
-  impl_->index.findNeighbors(set, query.data(), nanoflann::SearchParams());
+  typename Impl::Search{*impl_, query.data(), set}.run();
   return static_cast<std::uint32_t>(set.size());
 }
 
 template <int Dimension>
 void KdTree<Dimension>::visit_box(const Vec3f& low, const Vec3f& high,
                                   FunctionRef<void(std::uint32_t, std::uint32_t)> visit) const {
-  if (impl_->index.root_node == nullptr) return;
-  typename Impl::Visitor visitor{low.data(), high.data(), visit};
-  visitor.walk(impl_->index.root_node, (1U << 2 * Dimension) - 1);
+  typename Impl::Visitor visitor{impl_->nodes, low.data(), high.data(), visit};
+  visitor.walk(&impl_->nodes.root(), (1U << 2 * Dimension) - 1);
   visitor.flush();
 }
 

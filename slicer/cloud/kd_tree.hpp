@@ -34,9 +34,9 @@ class KdTree {
  public:
   static constexpr std::size_t kLeafSize = 10;  ///< points at most; nanoflann's recommendation, and the thesis' choice
 
-  /// Planned bytes of arena a point, its index included. Scans and shapes take 12.7 to 14.9 in two dimensions and 13.0 to
-  /// 16.4 in three. Adversarial ones (points that a middle split peels off one by one) may take more and get kOutOfMemory.
-  static constexpr std::size_t kBytesPerPoint = Dimension == 2 ? 15 : 17;
+  /// Planned bytes of arena a point, its index included. Adversarial points (that a middle split peels off one by one) may take
+  /// more and get kOutOfMemory.
+  static constexpr std::size_t kBytesPerPoint = 9;
 
   /// @param points  at least one, finite
   /// @param stage   named in errors

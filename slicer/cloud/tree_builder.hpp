@@ -1,5 +1,6 @@
 #pragma once
-/// Builds a kd-tree of nanoflann in the arena, with several threads.
+/// Builds a kd-tree in the arena, with several threads. nanoflann divides the points. Its nodes take 32 bytes each, and 64-bit
+/// pointers most of that: these take 12.
 
 #include <omp.h>
 
@@ -14,6 +15,51 @@
 #include "slicer/core/progress.hpp"
 
 namespace plumbline {
+
+/// A node of a kd-tree.
+struct TreeNode {
+  static constexpr std::uint32_t kLeaf = 3;  ///< in place of an axis
+
+  struct Split {
+    float below;  ///< largest coordinate of the left child's points
+    float above;  ///< smallest of the right child's
+  };
+  struct Leaf {
+    std::uint32_t first, last;  ///< of the order; one past the end
+  };
+  union {
+    Split split;
+    Leaf leaf;
+  };
+  std::uint32_t link;  ///< axis of the split, or kLeaf; above these two bits the place of the children, see TreeNodes
+
+  std::uint32_t axis() const { return link & 3U; }
+  bool is_leaf() const { return axis() == kLeaf; }
+};
+static_assert(sizeof(TreeNode) == 12);
+
+/// The nodes of a tree: the root, and below it in memory the others, children in pairs.
+class TreeNodes {
+ public:
+  TreeNode& root() { return root_; }
+  const TreeNode& root() const { return root_; }
+
+  const TreeNode& left_of(const TreeNode& parent) const {
+    return *reinterpret_cast<const TreeNode*>(start() - std::size_t{parent.link >> 2U} * kUnit);
+  }
+  const TreeNode& right_of(const TreeNode& parent) const { return *(&left_of(parent) + 1); }
+  /// @param pair  two nodes, less than 4 GiB below the root
+  std::uint32_t link(std::uint32_t axis, const TreeNode* pair) const {
+    const auto below = static_cast<std::size_t>(start() - reinterpret_cast<const std::byte*>(pair));
+    return static_cast<std::uint32_t>(below / kUnit) << 2U | axis;
+  }
+
+ private:
+  static constexpr std::size_t kUnit = alignof(TreeNode);
+  const std::byte* start() const { return reinterpret_cast<const std::byte*>(&root_); }
+
+  TreeNode root_ = {};
+};
 
 /// Gives the threads that build a tree memory of the arena, and reports the progress, since they ask for blocks all the time.
 /// A cancelled build gets no more memory.
@@ -67,9 +113,9 @@ class TreeMemory {
 template <class Index>
 class TreeBuilder {
  public:
-  TreeBuilder(Index& index, TreeMemory& memory) : index_(index), memory_(memory) {}
+  TreeBuilder(Index& index, TreeNodes& nodes, TreeMemory& memory) : index_(index), nodes_(nodes), memory_(memory) {}
 
-  /// Fills the index, whose points are known.
+  /// Orders the index's points and fills the nodes.
   /// @returns false if there was not enough memory
   bool run() {
     index_.init_vind();
@@ -78,75 +124,71 @@ class TreeBuilder {
     const auto threads = static_cast<std::size_t>(omp_get_max_threads());
     // A team of fewer threads than the others of the job would be taken from the heap.
     const bool shared = threads > 1 && points >= threads * kPointsOfThread;
-    parts_[0] = {nullptr, 0, points, 0, 0, index_.root_bbox, true};
+    parts_[0] = {&nodes_.root(), 0, points, 0, index_.root_bbox, true};
     const std::size_t levels = shared ? kLevels : 0;
     if (shared) {
 #pragma omp parallel
       {
-        Nodes nodes(memory_);
+        Pairs pairs(memory_);
         for (std::size_t level = 0; level < levels; ++level) {
 #pragma omp for schedule(dynamic, 1)
-          for (std::size_t i = first_part(level); i < first_part(level + 1); ++i) divide_part(i, nodes);
+          for (std::size_t i = first_part(level); i < first_part(level + 1); ++i) divide_part(i, pairs);
         }
 #pragma omp for schedule(dynamic, 1)
-        for (std::size_t i = 0; i < first_part(levels + 1); ++i) build_part(i, nodes);
+        for (std::size_t i = 0; i < first_part(levels + 1); ++i) build_part(i, pairs);
       }
     } else {
-      Nodes nodes(memory_);
-      build_part(0, nodes);
+      Pairs pairs(memory_);
+      build_part(0, pairs);
     }
-    for (std::size_t i = first_part(levels); i-- > 0;) {
-      if (!join_part(i)) return false;
-    }
-    index_.root_node = parts_[0].node;
+    for (std::size_t i = first_part(levels); i-- > 0;) join_part(i);
     index_.root_bbox = parts_[0].box;
-    return index_.root_node != nullptr;
+    return !full_;
   }
 
  private:
-  using Node = typename Index::Node;
   using Box = typename Index::BoundingBox;
 
   static constexpr std::size_t kLevels = 6;  ///< divided before threads take whole parts: 64 for any number of threads
-  /// A thread for so many points. A thread wastes less than a block of nodes, so this is a 32th of a byte a point.
+  /// A thread for so many points. A thread wastes less than a block of nodes, so this is a 21st of a byte a point.
   static constexpr std::size_t kPointsOfThread = 32768;
-  static constexpr std::size_t kBlock = 1024;  ///< bytes of nodes that a thread takes at a time
+  static constexpr std::size_t kBlockPairs = 64;  ///< pairs of nodes that a thread takes at a time: whole cache lines
 
-  void build_part(std::size_t i, auto& nodes) {
+  void build_part(std::size_t i, auto& pairs) {
     Part& part = parts_[i];
-    if (part.whole) part.node = build(part.first, part.last, part.box, nodes);
+    if (part.whole && !build(*part.node, part.first, part.last, part.box, pairs)) full_ = true;
   }
 
   /// A thread's memory for nodes.
-  class Nodes {
+  class Pairs {
    public:
-    explicit Nodes(TreeMemory& memory) : memory_(memory) {}
-    Node* take() {
+    explicit Pairs(TreeMemory& memory) : memory_(memory) {}
+    /// @returns two nodes, or nothing
+    TreeNode* take() {
       if (left_ == 0) {
-        next_ = static_cast<std::byte*>(memory_.take(kBlock));
-        if (next_ == nullptr) return nullptr;
-        left_ = kBlock / sizeof(Node);
+        auto* const block = static_cast<std::byte*>(memory_.take(2 * kBlockPairs * sizeof(TreeNode)));
+        if (block == nullptr) return nullptr;
+        next_ = new (block) TreeNode[2 * kBlockPairs];
+        left_ = kBlockPairs;
       }
       --left_;
-      Node* const node = new (next_) Node;
-      next_ += sizeof(Node);
-      return node;
+      next_ += 2;
+      return next_ - 2;
     }
 
    private:
     TreeMemory& memory_;
-    std::byte* next_ = nullptr;
-    std::size_t left_ = 0;  ///< nodes
+    TreeNode* next_ = nullptr;
+    std::size_t left_ = 0;
   };
 
   /// A node of the upper levels: those of part i are 2 i + 1 and 2 i + 2.
   struct Part {
-    Node* node = nullptr;
+    TreeNode* node = nullptr;
     std::size_t first = 0, last = 0;  ///< of the order; equal if there is no such part
-    std::size_t middle = 0;
-    std::int32_t cut = 0;  ///< dimension
-    Box box;               ///< around the points once the node is built; before that, perhaps larger
-    bool whole = false;    ///< one thread builds all of it
+    std::int32_t cut = 0;             ///< dimension
+    Box box;                          ///< around the points once the node is built; before that, perhaps larger
+    bool whole = false;               ///< one thread builds all of it
   };
   static constexpr std::size_t first_part(std::size_t level) { return (std::size_t{1} << level) - 1; }
 
@@ -164,70 +206,72 @@ class TreeBuilder {
     return first + size;
   }
 
-  static void join(Node& node, std::int32_t cut, Box& box, const Box& left, const Box& right) {
-    node.node_type.sub.divfeat = cut;
-    node.node_type.sub.divlow = left[static_cast<std::size_t>(cut)].high;
-    node.node_type.sub.divhigh = right[static_cast<std::size_t>(cut)].low;
-    for (std::size_t axis = 0; axis < box.size(); ++axis) {
-      box[axis].low = std::min(left[axis].low, right[axis].low);
-      box[axis].high = std::max(left[axis].high, right[axis].high);
+  /// @param children  two nodes
+  void join(TreeNode& node, std::int32_t cut, Box& box, const TreeNode* children, const Box& left, const Box& right) {
+    const auto axis = static_cast<std::uint32_t>(cut);
+    node.split = {left[axis].high, right[axis].low};
+    node.link = nodes_.link(axis, children);
+    for (std::size_t a = 0; a < box.size(); ++a) {
+      box[a].low = std::min(left[a].low, right[a].low);
+      box[a].high = std::max(left[a].high, right[a].high);
     }
   }
 
-  void divide_part(std::size_t i, Nodes& nodes) {
+  void divide_part(std::size_t i, Pairs& pairs) {
     Part& part = parts_[i];
     if (part.first == part.last || is_leaf(part.first, part.last)) return;
-    part.node = nodes.take();
+    TreeNode* const children = pairs.take();
     part.whole = false;
+    if (children == nullptr) {
+      full_ = true;
+      return;
+    }
     Part& left = parts_[2 * i + 1];
     Part& right = parts_[2 * i + 2];
-    part.middle = divide(part.first, part.last, part.cut, part.box, left.box, right.box);
+    const std::size_t middle = divide(part.first, part.last, part.cut, part.box, left.box, right.box);
+    left.node = children;
+    right.node = children + 1;
     left.first = part.first;
-    left.last = right.first = part.middle;
+    left.last = right.first = middle;
     right.last = part.last;
     left.whole = right.whole = true;
   }
 
-  bool join_part(std::size_t i) {
+  void join_part(std::size_t i) {
     Part& part = parts_[i];
-    if (part.whole || part.first == part.last) return true;
     const Part& left = parts_[2 * i + 1];
-    const Part& right = parts_[2 * i + 2];
-    if (part.node == nullptr || left.node == nullptr || right.node == nullptr) return false;
-    part.node->child1 = left.node;
-    part.node->child2 = right.node;
-    join(*part.node, part.cut, part.box, left.box, right.box);
-    return true;
+    if (part.whole || left.node == nullptr) return;
+    join(*part.node, part.cut, part.box, left.node, left.box, parts_[2 * i + 2].box);
   }
 
   /// Sets the box to that of the points.
-  /// @returns nothing if there was not enough memory
-  Node* build(std::size_t first, std::size_t last, Box& box, Nodes& nodes) {
-    Node* const node = nodes.take();
-    if (node == nullptr) return nullptr;
+  /// @returns false if there was not enough memory
+  bool build(TreeNode& node, std::size_t first, std::size_t last, Box& box, Pairs& pairs) {
     if (is_leaf(first, last)) {
-      node->child1 = node->child2 = nullptr;
-      node->node_type.lr.left = first;
-      node->node_type.lr.right = last;
+      node.leaf = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last)};
+      node.link = TreeNode::kLeaf;
       for (std::size_t axis = 0; axis < box.size(); ++axis) {
         const auto dimension = static_cast<std::int32_t>(axis);
         index_.computeMinMax(index_, first, last - first, dimension, box[axis].low, box[axis].high);
       }
-      return node;
+      return true;
     }
     std::int32_t cut = 0;
     Box left, right;
     const std::size_t middle = divide(first, last, cut, box, left, right);
-    node->child1 = build(first, middle, left, nodes);
-    if (node->child1 == nullptr) return nullptr;
-    node->child2 = build(middle, last, right, nodes);
-    if (node->child2 == nullptr) return nullptr;
-    join(*node, cut, box, left, right);
-    return node;
+    TreeNode* const children = pairs.take();
+    if (children == nullptr || !build(children[0], first, middle, left, pairs) ||
+        !build(children[1], middle, last, right, pairs)) {
+      return false;
+    }
+    join(node, cut, box, children, left, right);
+    return true;
   }
 
   Index& index_;
+  TreeNodes& nodes_;
   TreeMemory& memory_;
+  std::atomic<bool> full_ = false;
   std::array<Part, first_part(kLevels + 1)> parts_ = {};
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 /// Reports the start and end of a stage, and records how much of the arena it used.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -12,14 +13,15 @@ namespace plumbline {
 class StageScope {
  public:
   /// @param progress    may be null
-  /// @param peak_bytes  indexed by Stage; the destructor sets the stage's entry
+  /// @param peak_bytes  indexed by Stage; the destructor sets the stage's entry, to the most if it runs in several parts
   StageScope(Stage stage, Arena& arena, ProgressSink* progress, std::array<std::size_t, kStageCount>& peak_bytes)
       : stage_(stage), arena_(arena), progress_(progress), peak_bytes_(peak_bytes) {
     arena_.reset_peak();
     if (progress_ != nullptr) progress_->begin(stage_);
   }
   ~StageScope() {
-    peak_bytes_[static_cast<std::size_t>(stage_)] = arena_.peak();
+    std::size_t& most = peak_bytes_[static_cast<std::size_t>(stage_)];
+    most = std::max(most, arena_.peak());
     if (progress_ != nullptr) progress_->end(stage_, arena_.peak());
   }
   StageScope(const StageScope&) = delete;

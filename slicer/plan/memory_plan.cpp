@@ -89,6 +89,18 @@ Stage MemoryPlan::widest() const {
 
 std::uint32_t tile_capacity(std::uint32_t points) { return std::min<std::uint32_t>(points, 32768); }
 
+std::size_t ray_points_bytes(std::uint32_t points) {
+  return (Cloud::kBytesPerPoint + KdTree2::kBytesPerPoint) * std::size_t{points} + WindingTree::bytes_needed(points);
+}
+
+std::uint32_t ray_points_in(std::size_t bytes) {
+  // In whole leaves of the winding number tree, the last of which takes less.
+  constexpr std::uint32_t kMany = 1024;
+  constexpr std::uint32_t kLeaf = 8;
+  const std::size_t leaves = bytes / (ray_points_bytes(kMany) / kMany * kLeaf);
+  return static_cast<std::uint32_t>(std::min<std::size_t>(leaves * kLeaf, kMostPoints));
+}
+
 MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& grid, std::uint32_t threads,
                        const PlanEvidence& evidence) {
   MemoryPlan plan;
@@ -113,9 +125,6 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   std::size_t store = 0;
   // Without a grid the number of layers is unknown, but the cells take most of the map.
   const std::size_t map = evidence.confidence ? ConfidenceMap::bytes_needed(grid ? grid->layers : 0) : 0;
-  const std::uint32_t ray_points = evidence.ray_points.value_or(room);
-  const std::size_t field = map + cloud + WindingTree::bytes_needed(ray_points);
-  set(Stage::kWindingTree, field);
   if (grid) {
     // While rays are shot, points share the arena with the crossings, so more of these mean fewer points. Afterwards all points
     // are gone, and what the crossings need can't be spared.
@@ -127,16 +136,22 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
     set(Stage::kLayers, map + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts));
   }
-  const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{ray_points};
-  set(Stage::kRayGrid, field + flat_tree);
-  const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(room));
-  set(Stage::kRays, field + flat_tree + store + workers);
+  const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(evidence.ray_points.value_or(room)));
+  const std::size_t shooting = kSlack + map + store + workers;
+  const std::uint32_t ray_points = evidence.ray_points.value_or(
+      std::clamp(ray_points_in(evidence.arena_bytes - std::min(evidence.arena_bytes, shooting)),
+                 static_cast<std::uint32_t>(kLeastJoined * room), room));
+  const std::size_t radii = Arena::rounded(sizeof(float) * std::min(points, kMedianSample));
+  set(Stage::kWindingTree, map + std::max(cloud + radii, Cloud::kBytesPerPoint * std::size_t{ray_points} +
+                                                             WindingTree::bytes_needed(ray_points)));
+  set(Stage::kRayGrid, map + ray_points_bytes(ray_points));
+  set(Stage::kRays, map + ray_points_bytes(ray_points) + store + workers);
   return plan;
 }
 
 Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::uint64_t> declared,
-                                  const std::optional<PrintGrid>& grid, std::uint32_t threads,
-                                  const PlanEvidence& evidence) {
+                                  const std::optional<PrintGrid>& grid, std::uint32_t threads, PlanEvidence evidence) {
+  evidence.arena_bytes = arena_bytes;
   const auto most =
       static_cast<std::uint32_t>(std::clamp<std::uint64_t>(declared.value_or(kMostPoints), kFewestPoints, kMostPoints));
   MemoryPlan plan = plan_memory(kFewestPoints, grid, threads, evidence);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "slicer/core/error.hpp"
@@ -53,13 +54,23 @@ inline constexpr std::uint32_t kMostPoints = 16'000'000;
 /// Points that each thread has room for while it shoots one tile of rays: all of a small cloud, at most 32768.
 std::uint32_t tile_capacity(std::uint32_t points);
 
+/// To this share of a scan's points they are joined before rays are shot, where the arena has no room for more (join_points()).
+inline constexpr double kLeastJoined = 0.75;
+
+/// Bytes of points, of the nodes of their winding number tree, and of their 2D tree, while rays are shot.
+std::size_t ray_points_bytes(std::uint32_t points);
+/// @returns points for which that many bytes suffice, but for up to seven more
+std::uint32_t ray_points_in(std::size_t bytes);
+
 /// What else a plan depends on.
 struct PlanEvidence {
   std::uint64_t reader_bytes = 0;  ///< ScanHeader::reader_bytes, the largest of the scan's files
   std::uint64_t kept_bytes = 0;    ///< ScanAnnouncement::kept_bytes
   bool confidence = false;         ///< SliceSettings::confidence
-  /// Points that are left when rays are shot: some are noise, others are joined. If unknown, as many as the cloud has room for.
+  /// Points that are left when rays are shot: some are noise, others are joined. If unknown, as many as the cloud has room for, or
+  /// as `arena_bytes` have, but no fewer than the share kLeastJoined.
   std::optional<std::uint32_t> ray_points = std::nullopt;
+  std::size_t arena_bytes = std::numeric_limits<std::size_t>::max();  ///< that the job may use
   /// What the rays will find, if known. Otherwise the object is assumed to cover half of the grid: before the scan is read
   /// its size is unknown, and the board's memory must suffice for all that its panel can show. A smaller object leaves
   /// room unused. A larger one may be refused by admit_rays() once it has been placed.
@@ -76,6 +87,6 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
 /// @retval ErrorCode::kOutOfMemory  not even kFewestPoints fit; the message has need and budget
 [[nodiscard]] Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::uint64_t> declared,
                                                 const std::optional<PrintGrid>& grid, std::uint32_t threads,
-                                                const PlanEvidence& evidence = {});
+                                                PlanEvidence evidence = {});
 
 }  // namespace plumbline

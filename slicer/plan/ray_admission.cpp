@@ -23,7 +23,8 @@ struct SeenSurface {
     for (std::uint32_t i = 0; i < cloud.size; ++i) {
       const double radius = cloud.radius[i];
       const double slope = cloud.normal[i].unpack()[2];
-      (slope > 0 ? exiting : entering) += radius * radius * std::abs(slope) * cloud.normal[i].weight;
+      const int weight = object.is_joined ? cloud.normal[i].weight : 1;
+      (slope > 0 ? exiting : entering) += radius * radius * std::abs(slope) * weight;
     }
     const double pixel_mm2 = static_cast<double>(object.grid.pitch_x_mm) * static_cast<double>(object.grid.pitch_y_mm);
     const double rays = std::numbers::pi / (cloud.support_points * pixel_mm2);
@@ -32,29 +33,40 @@ struct SeenSurface {
   }
 };
 
+// The estimate is within 6 % of the crossings (scans of closed objects): the plan adds as much, a refusal leaves some more.
+constexpr double kSureShare = 0.9;
+constexpr double kPlannedShare = 1.06;
+
+RayYield yield_of(const PlacedObject& object, double crossings) {
+  return {std::min(crossings / 2, static_cast<double>(object.grid.columns) * object.grid.rows), crossings};
+}
+
+/// Assumes that the scan missed surface: every ray leaves the object as often as it enters.
+MemoryPlan plan_of(const PlacedObject& object, const SeenSurface& seen) {
+  const RayYield yield = yield_of(object, kPlannedShare * 2 * std::max(seen.entering, seen.exiting));
+  return plan_memory(object.read_points, object.grid, object.threads,
+                     {.confidence = object.confidence, .ray_points = object.cloud.size, .yield = yield});
+}
+
 }  // namespace
 
+std::uint32_t most_ray_points(const PlacedObject& object, const Arena& arena) {
+  const MemoryPlan plan = plan_of(object, SeenSurface(object));
+  const std::size_t others = plan.bytes[static_cast<std::size_t>(Stage::kRays)] - ray_points_bytes(object.cloud.size);
+  return ray_points_in(arena.capacity() - std::min(arena.capacity(), others));
+}
+
 Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std::size_t, kStageCount>& planned_bytes) {
-  // The estimate is within 6 % of the crossings (scans of closed objects): the plan adds as much, a refusal leaves some more.
-  constexpr double kSureShare = 0.9;
-  constexpr double kPlannedShare = 1.06;
   const SeenSurface seen(object);
-  const auto yield_of = [&](double crossings) {
-    return RayYield{std::min(crossings / 2, static_cast<double>(object.grid.columns) * object.grid.rows), crossings};
-  };
-  // The plan assumes that the scan missed surface: every ray leaves the object as often as it enters.
-  const MemoryPlan plan = plan_memory(object.read_points, object.grid, object.threads,
-                                      {.confidence = object.confidence,
-                                       .ray_points = object.cloud.size,
-                                       .yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
+  const MemoryPlan plan = plan_of(object, seen);
   for (const Stage stage :
        {Stage::kWindingTree, Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
     planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];
   }
   // A refusal counts only surface that the scan has seen.
-  const RayYield sure = yield_of(kSureShare * (seen.entering + seen.exiting));
+  const RayYield sure = yield_of(object, kSureShare * (seen.entering + seen.exiting));
   const std::size_t shooting = arena.used() +
-                               object.threads * RayShooter::bytes_needed(tile_capacity(object.cloud.capacity())) +
+                               object.threads * RayShooter::bytes_needed(tile_capacity(object.cloud.size)) +
                                store_bytes(object.grid, sure);
   const std::size_t map = object.confidence ? ConfidenceMap::bytes_needed(object.grid.layers) : 0;
   const std::size_t sorting =

@@ -18,7 +18,12 @@ struct PlacedObject {
   PrintGrid grid;
   bool confidence = false;  ///< SliceSettings::confidence
   std::uint32_t threads = 1;
+  bool is_joined = true;  ///< join_points() has run
 };
+
+/// Points for which the rays stage has room, before they are joined, with the crossings that their surface will make.
+/// @param object  whose cloud was the last that the arena's top was taken for, and whose map of evidence has been made
+std::uint32_t most_ray_points(const PlacedObject& object, const Arena& arena);
 
 /// Refuses a job whose crossings can't fit, before minutes are spent on its rays. The number of crossings is estimated from
 /// the area of the surface seen from above: within 6 % on scans of closed objects.

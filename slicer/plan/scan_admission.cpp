@@ -18,6 +18,7 @@ Expected<ScanAdmission> ScanAdmission::create(std::size_t budget, const std::opt
 Expected<std::uint32_t> ScanAdmission::admit(const ScanAnnouncement& announced) {
   evidence_.reader_bytes = announced.reader_bytes;
   evidence_.kept_bytes = announced.kept_bytes;
+  evidence_.arena_bytes = budget_;
   const auto largest = largest_plan(budget_, std::nullopt, grid_, threads_, evidence_);
   PLUMBLINE_TRY(largest);
   room_ = largest->points;

@@ -1,6 +1,9 @@
 #pragma once
 /// Joins neighbouring points, so that rays and winding numbers have fewer to weigh.
 
+#include <cstdint>
+#include <limits>
+
 #include "slicer/cloud/cloud.hpp"
 
 namespace plumbline {
@@ -14,6 +17,8 @@ namespace plumbline {
 ///
 /// @param cloud  in the order of its 3D tree, so that neighbours follow each other. It shrinks; its order is kept. Weights are
 ///               set anew: 1 for a point that is joined with no other. Continued points are not joined
-void join_points(Cloud& cloud);
+/// @param most   points that there is room for. Where more would be left, points farther from each other are joined, up to one
+///               support radius
+void join_points(Cloud& cloud, std::uint32_t most = std::numeric_limits<std::uint32_t>::max());
 
 }  // namespace plumbline

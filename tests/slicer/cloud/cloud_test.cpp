@@ -15,6 +15,30 @@ namespace {
 
 using namespace testing;
 
+TEST(Cloud, GivesTheRoomOfPointsBackThatAreNotInUse) {
+  constexpr std::uint32_t kPoints = 1000;
+  for (const std::uint32_t left : {kPoints, kPoints - 1, 400U, 1U}) {
+    ArenaBlock arena(kMiB);
+    Cloud cloud = value_of(Cloud::create(kPoints, *arena));
+    cloud.size = left;
+    for (std::uint32_t i = 0; i < left; ++i) {
+      const auto x = static_cast<float>(i);
+      cloud.position[i] = {x, -x, 2 * x};
+      cloud.radius[i] = 3 * x;
+      cloud.normal[i].weight = static_cast<std::uint8_t>(i % 200);
+    }
+    check(cloud.give_back(*arena));
+    EXPECT_EQ(cloud.capacity(), left);
+    EXPECT_LT(arena->top_used(), Cloud::kBytesPerPoint * left + 3 * Arena::kAlignment);
+    for (std::uint32_t i = 0; i < left; ++i) {
+      const auto x = static_cast<float>(i);
+      ASSERT_EQ(cloud.position[i], Vec3f(x, -x, 2 * x));
+      ASSERT_EQ(cloud.radius[i], 3 * x);
+      ASSERT_EQ(cloud.normal[i].weight, i % 200);
+    }
+  }
+}
+
 TEST(Cloud, TakesAnOrderWithAllThatAPointHasForAnyNumberOfThreads) {
   constexpr std::uint32_t kPoints = 10000;
   const int before = omp_get_max_threads();

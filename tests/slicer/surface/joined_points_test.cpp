@@ -76,6 +76,17 @@ TEST(JoinedPoints, KeepTheMeanOfNoisyPoints) {
   EXPECT_NEAR(joined, mean, 1e-3);
 }
 
+TEST(JoinedPoints, AreAsFewAsThereIsRoomFor) {
+  ArenaBlock arena(16 * kMiB);
+  const std::uint32_t points = sphere_points(3, kSpacing);
+  Cloud cloud = sorted_cloud(sphere(points, 3, {0, 0, 0}), *arena);
+  join_points(cloud, points / 12);
+  EXPECT_LE(cloud.size, points / 12);
+  EXPECT_GT(cloud.size, points / 16) << "and hardly fewer";
+  EXPECT_EQ(weight_of(cloud), points);
+  for (std::uint32_t i = 0; i < cloud.size; ++i) EXPECT_NEAR(cloud.position[i].norm(), 3, 0.005F);
+}
+
 TEST(JoinedPoints, LeaveContinuedPointsAlone) {
   ArenaBlock arena(16 * kMiB);
   Random random(3);
