@@ -241,12 +241,12 @@ struct KdTree<Dimension>::Impl {
     void look(const TreeNode::Leaf& leaf) {
       const float beyond2 = found.beyond2();
       for (std::uint32_t k = leaf.first; k < leaf.last; ++k) {
-        const std::uint32_t index = tree.index.vAcc[k];
+        const std::uint32_t i = tree.index.vAcc[k];
         float distance2 = 0;
         for (std::size_t axis = 0; axis < Dimension; ++axis) {
-          distance2 += square(tree.set.points[index][static_cast<int>(axis)], axis);
+          distance2 += square(tree.set.points[i][static_cast<int>(axis)], axis);
         }
-        if (distance2 < beyond2) found.add({index, distance2});
+        if (distance2 < beyond2) found.add({i, distance2});
       }
     }
   };

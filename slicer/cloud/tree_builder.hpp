@@ -31,7 +31,8 @@ struct TreeNode {
     Split split;
     Leaf leaf;
   };
-  std::uint32_t link;  ///< axis of the split, or kLeaf; above these two bits the place of the children, see TreeNodes
+  std::uint32_t
+      link;  ///< axis of the split, or kLeaf, in two bits; the others say where the children are, see TreeNodes
 
   std::uint32_t axis() const { return link & 3U; }
   bool is_leaf() const { return axis() == kLeaf; }
@@ -45,17 +46,18 @@ class TreeNodes {
   const TreeNode& root() const { return root_; }
 
   const TreeNode& left_of(const TreeNode& parent) const {
-    return *reinterpret_cast<const TreeNode*>(start() - std::size_t{parent.link >> 2U} * kUnit);
+    return *reinterpret_cast<const TreeNode*>(start() - (parent.link & ~kAxis));
   }
   const TreeNode& right_of(const TreeNode& parent) const { return *(&left_of(parent) + 1); }
   /// @param pair  two nodes, less than 4 GiB below the root
   std::uint32_t link(std::uint32_t axis, const TreeNode* pair) const {
     const auto below = static_cast<std::size_t>(start() - reinterpret_cast<const std::byte*>(pair));
-    return static_cast<std::uint32_t>(below / kUnit) << 2U | axis;
+    return static_cast<std::uint32_t>(below) | axis;
   }
 
  private:
-  static constexpr std::size_t kUnit = alignof(TreeNode);
+  static constexpr std::uint32_t kAxis = 3;  ///< bits of a link; nodes lie a multiple of four bytes apart
+  static_assert(alignof(TreeNode) > kAxis);
   const std::byte* start() const { return reinterpret_cast<const std::byte*>(&root_); }
 
   TreeNode root_ = {};

@@ -98,7 +98,7 @@ std::uint32_t ray_points_in(std::size_t bytes) {
   constexpr std::uint32_t kMany = 1024;
   constexpr std::uint32_t kLeaf = 8;
   const std::size_t leaves = bytes / (ray_points_bytes(kMany) / kMany * kLeaf);
-  return static_cast<std::uint32_t>(std::min<std::size_t>(leaves * kLeaf, kMostPoints));
+  return static_cast<std::uint32_t>(std::min<std::size_t>(leaves * kLeaf, 2 * kMostPoints));
 }
 
 MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& grid, std::uint32_t threads,

@@ -160,8 +160,8 @@ std::vector<PlannedJob> jobs_of_several_kinds() {
   const PrinterVolume panel{360, 640, 0.1F, 0.1F, 60};
   const Surface half = half_a_panel(0.1, 360, 640, kPoints);
   jobs.push_back({"half of a panel", half, false, panel});
-  jobs.push_back({"half of a panel, thinned", half_a_panel(0.1, 360, 640, 4 * kPoints), false, panel, 8});
-  jobs.push_back({"half of a panel, joined further", half_a_panel(0.1, 360, 640, 2 * kPoints, 0), false, panel, 8});
+  jobs.push_back({"half of a panel, thinned", half_a_panel(0.1, 360, 640, 4 * kPoints), false, panel, 10});
+  jobs.push_back({"half of a panel, joined further", half_a_panel(0.1, 360, 640, 3 * kPoints, 0), false, panel, 10});
   Surface views = scan_ellipsoid({}, 1).surface;
   for (SurfacePoint& p : views) p.position += Vec3d(30, 30, 30);
   jobs.push_back({"of several views", views});
@@ -176,7 +176,6 @@ TEST(MemoryPlan, IsWithinFivePerCentOfTheMostThatAJobUses) {
     const Slicing sliced(binary_ply(job.surface), settings, job.arena_mib * kMiB);
     const SliceReport& report = sliced.report();
     EXPECT_EQ(report.views.views > 0, std::string_view(job.scan) == "of several views") << job.scan;
-    EXPECT_EQ(report.averaged_points > 0, std::string_view(job.scan) == "half of a panel, thinned") << job.scan;
     const auto most = [](const auto& bytes) { return static_cast<double>(*std::ranges::max_element(bytes)); };
     const double used = most(report.peak_bytes);
     const double planned = most(report.planned_bytes);
