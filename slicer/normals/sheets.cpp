@@ -30,6 +30,14 @@ constexpr float kMostEvidence = 2;  ///< limit for one sample; a lid that fits i
 /// has 1 once the walls are known, but up to -0.05 if only a plate far below is, whose field it seems to contradict.
 constexpr double kClearEvidence = 0.1;
 
+/// A sheet that contradicts few of its neighbours is turned only on more evidence than this: it may be the floor of a vase whose
+/// underside nobody saw. A lid on a tube that was seen all around has 1, one that fits its hole 1/2.
+constexpr double kAloneEvidence = 0.5;
+constexpr std::uint32_t kFollowers = 3;  ///< following points in the order of the tree that may lie in another sheet
+constexpr float kBeside = 4;             ///< radii of a point's share within which another is its neighbour
+constexpr float kContradicts =
+    0.25F;  ///< join_weight() of neighbours that agree is above this, of others below its opposite
+
 /// A scan is inside out if the winding number on its largest sheet is below this. It is 1/2 on a closed surface, -1/2 on the
 /// same inside out, and 0.3 and -0.3 on half a sphere. What encloses less could as well be the inside of a bowl, and stays
 /// as the scan says.
@@ -49,6 +57,11 @@ std::int64_t to_units(float value) {
 /// Mean of a sum of evidence over a sheet's samples.
 double mean(const Sheet& sheet, std::int64_t units) {
   return static_cast<double>(units) / (std::max(1.0, static_cast<double>(sheet.samples)) * kUnit);
+}
+/// Whether neighbours in other sheets face the other side along a part of its rim. A patch that was turned over in the middle of a
+/// surface has several such pairs for each point of its rim; points on the other face of a thin wall are a few by chance.
+bool contradicts_neighbours(const Sheet& sheet) {
+  return static_cast<float>(2 * sheet.contradictions) > std::sqrt(static_cast<float>(sheet.points));
 }
 /// Hashes an index, so that samples don't follow the order of the tree (Knuth's multiplicative hash, 2^32 / golden ratio).
 std::uint32_t scattered(std::uint32_t i) { return (i * 2654435761U) >> 8U; }
@@ -83,6 +96,7 @@ Status Sheets::limit_areas(Cloud& cloud, Arena& arena) {
 
 Expected<NormalCounts> Sheets::turn(FirstSide first) {
   const ArenaScope scope(arena_);
+  rule_ = first;
   PLUMBLINE_TRY(list());
   measure();
   auto nodes = arena_.take_top<DipoleField::Node>(DipoleField::nodes_needed(cloud_.size), kStage);
@@ -149,6 +163,7 @@ void Sheets::measure() {
     sheet->area += area(i);
     sheet->centroid += area(i) * cloud_.position[i].cast<double>();
   }
+  if (rule_ == FirstSide::kLargest) count_contradictions();
   for (Sheet& sheet : sheets_) {
     if (sheet.area > 0) sheet.centroid /= sheet.area;
   }
@@ -158,6 +173,25 @@ void Sheets::measure() {
     const Vec3d from_centre = cloud_.position[i].cast<double>() - sheet->centroid;
     sheet->flux += area(i) * cloud_.normal[i].unpack().cast<double>().dot(from_centre);
     sheet->reach += area(i) * std::sqrt(from_centre.dot(from_centre));
+  }
+}
+
+/// Counts how many neighbours in other sheets contradict each sheet.
+void Sheets::count_contradictions() {
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    Sheet* sheet = sheet_of(i);
+    if (sheet == nullptr) continue;
+    const float reach = kBeside * cloud_.radius[i];
+    for (std::uint32_t j = i + 1; j <= i + kFollowers && j < cloud_.size; ++j) {
+      Sheet* other = sheet_of(j);
+      if (other == nullptr || other == sheet) continue;
+      const Vec3f d = cloud_.position[j] - cloud_.position[i];
+      if (d.dot(d) > reach * reach) continue;
+      const float weight = join_weight(cloud_, i, j);
+      const int vote = weight < -kContradicts ? 1 : weight > kContradicts ? -1 : 0;
+      sheet->contradictions += vote;
+      other->contradictions += vote;
+    }
   }
 }
 
@@ -213,7 +247,9 @@ void Sheets::find_sides_by_field(const DipoleField& field, std::span<Sheet> shee
   const auto clear = [&](const Sheet& sheet) { return sheet.side == 0 && std::abs(evidence(sheet)) >= kClearEvidence; };
   const double least = std::any_of(sheets.begin(), sheets.end(), clear) ? kClearEvidence : 0;
   for (Sheet& sheet : sheets) {
-    if (sheet.side == 0 && !(std::abs(evidence(sheet)) < least)) sheet.side = evidence(sheet) < 0 ? -1 : 1;
+    if (sheet.side != 0 || std::abs(evidence(sheet)) < least) continue;
+    const bool stays = rule_ == FirstSide::kLargest && !counts_.inside_out && !contradicts_neighbours(sheet);
+    sheet.side = evidence(sheet) < (stays ? -kAloneEvidence : 0) ? -1 : 1;
   }
 }
 

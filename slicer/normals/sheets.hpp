@@ -26,6 +26,8 @@ struct Sheet {
   double flux = 0;   ///< sum of a <n, p - c>
   double reach = 0;  ///< sum of a |p - c|: the most that the flux can be
   float side = 0;    ///< 1 or -1; 0 until it is known
+  std::int32_t contradictions =
+      0;  ///< neighbours in other sheets that face the other side, minus those that face its side
 };
 
 /// How surely two neighbours lie on one sheet, and whether they face the same side. The chord d between them lies nearly in
@@ -66,6 +68,7 @@ class Sheets {
   Sheet* sheet_of(std::uint32_t i) const;
   double area(std::uint32_t i) const;
   void measure();
+  void count_contradictions();
   float side(std::uint32_t i) const;
   auto sides() const {
     return [this](std::uint32_t i) { return side(i); };
@@ -84,6 +87,7 @@ class Sheets {
   Arena& arena_;
   std::span<Sheet> sheets_;
   NormalCounts counts_;
+  FirstSide rule_ = FirstSide::kLargest;  ///< kLargest: the normals are those of the scan
 };
 
 }  // namespace plumbline

@@ -94,6 +94,33 @@ TEST(FlippedNormals, OfABlockOnAPlateAreRight) {
   EXPECT_NEAR(turned(scan), lid, 0.02 * lid);
 }
 
+// Nobody saw the underside, nor where the inner wall meets the floor: the floor would close the outer wall if it faced down.
+TEST(FlippedNormals, OfAFloorThatContradictsNoNeighbourAreRight) {
+  constexpr double kStep = 0.3;   // mm, between points
+  constexpr double kHeight = 30;  // mm, of the vase
+  constexpr double kOuter = 10;   // mm, radius
+  constexpr double kInner = 9;    // mm, radius
+  constexpr double kFloor = 1.5;  // mm, height
+  Surface vase;
+  const auto add_ring = [&](double radius, double z, const std::function<Vec3d(double, double)>& normal) {
+    const auto points = static_cast<int>(2 * kPi * radius / kStep) + 1;
+    for (int i = 0; i < points; ++i) {
+      const double angle = 2 * kPi * i / points;
+      const Vec3d p{radius * std::cos(angle), radius * std::sin(angle), z};
+      vase.push_back({p, normal(std::cos(angle), std::sin(angle))});
+    }
+  };
+  const auto up = [](double, double) { return Vec3d{0, 0, 1}; };
+  for (double z = 0; z < kHeight; z += kStep) add_ring(kOuter, z, [](double x, double y) { return Vec3d{x, y, 0}; });
+  for (double z = 4; z < kHeight; z += kStep) add_ring(kInner, z, [](double x, double y) { return Vec3d{-x, -y, 0}; });
+  for (double radius = kInner; radius < kOuter; radius += kStep) add_ring(radius, kHeight, up);
+  for (double radius = 0; radius < kInner - 0.5; radius += kStep) add_ring(radius, kFloor, up);
+  const Slicing slicing = sliced(vase);
+  EXPECT_EQ(slicing.report().normals.turned, 0U);
+  const double right = kPi * (kOuter * kOuter * kHeight - kInner * kInner * (kHeight - kFloor));
+  EXPECT_NEAR(slicing.volume(), right, 0.05 * right);
+}
+
 TEST(FlippedNormals, OfAValleyAreRight) {
   Surface valley = ball(10);
   turn(valley, [](const Vec3d&) { return true; });
