@@ -143,10 +143,15 @@ void draw_caption(const Picture& picture, const TilePlace& place, const Issue& i
   const TextStyle pale{.scale = 2, .colour = kPaleInk};
   char text[96];
   const IssueWords& words = words_of(issue.kind);
-  const double size = words.size == IssueSize::kVolume ? scale.ml(issue.voxels) : scale.mm2(issue.pixels);
-  std::snprintf(text, sizeof text, "%.*s, %.3g %s", static_cast<int>(words.one.size()), words.one.data(), size,
-                words.size == IssueSize::kVolume ? "ml" : "mm2");
-  draw_text(picture, place.left, top, cut(text, kPage.columns, plain), plain);
+  const bool is_volume = words.size == IssueSize::kVolume;
+  const double size = is_volume ? scale.ml(issue.voxels) : scale.mm2(issue.pixels);
+  const bool is_drop = is_volume && size < 0.01;  // told in mm3, which takes fewer digits
+  std::snprintf(text, sizeof text, "%.*s, %.3g %s", static_cast<int>(words.one.size()), words.one.data(),
+                is_drop ? 1000 * size : size,
+                is_drop     ? "mm3"
+                : is_volume ? "ml"
+                            : "mm2");
+  draw_text(picture, place.left, top, cut(text, kPage.step - 12, plain), plain);
   std::snprintf(text, sizeof text, "layer %u, %.2f mm: x %.1f, y %.1f mm", issue.layer, scale.z_mm(issue.layer),
                 scale.x_mm(issue), scale.y_mm(issue));
   draw_text(picture, place.left, top + 24, cut(text, kPage.columns, pale), pale);

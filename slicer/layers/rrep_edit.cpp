@@ -30,8 +30,9 @@ std::span<RRepToggle> distinct(std::span<RRepToggle> toggles, std::uint32_t laye
   return toggles.first(count);
 }
 
-/// Counts the layers at both ends whose masks are empty.
-Expected<EmptyLayers> find_empty(const RRep& rrep, Arena& arena) {
+}  // namespace
+
+Expected<EmptyLayers> find_empty_layers(const RRep& rrep, Arena& arena) {
   const std::size_t mark = arena.bottom_mark();
   auto stream = LayerStream::create(rrep, arena);
   EmptyLayers empty;
@@ -52,8 +53,6 @@ Expected<EmptyLayers> find_empty(const RRep& rrep, Arena& arena) {
   if (!stream) return tl::unexpected<Error>(stream.error());
   return empty;
 }
-
-}  // namespace
 
 Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena) {
   const std::span<const RRepToggle> added = distinct(toggles, rrep.grid.layers);
@@ -92,7 +91,7 @@ Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena)
 }
 
 Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<EmptyLayers> known) {
-  const Expected<EmptyLayers> empty = known ? Expected<EmptyLayers>(*known) : find_empty(rrep, arena);
+  const Expected<EmptyLayers> empty = known ? Expected<EmptyLayers>(*known) : find_empty_layers(rrep, arena);
   PLUMBLINE_TRY(empty);
   const auto [below, above] = *empty;
   if (below == rrep.grid.layers) {

@@ -24,6 +24,10 @@ struct RRepToggle {
 /// @retval ErrorCode::kOutOfMemory  rrep is unchanged
 [[nodiscard]] Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena);
 
+/// Counts the layers at both ends whose masks are empty.
+/// @retval ErrorCode::kOutOfMemory  no room for two images at the bottom of the arena
+[[nodiscard]] Expected<EmptyLayers> find_empty_layers(const RRep& rrep, Arena& arena);
+
 /// Removes the layers at both ends whose masks are empty, so that the object stands on the plate. A layer with nothing but
 /// what opening removes, such as the tip of an outlier, counts as empty.
 /// @param rrep   the newest block at the bottom of the arena

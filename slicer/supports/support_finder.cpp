@@ -131,6 +131,17 @@ Status leave_out(std::span<const SpeckPixel> specks, RRep& rrep, Arena& arena) {
   return toggle_crossings(rrep, toggles->first(count), arena);
 }
 
+/// Removes the layers at the top that held nothing but specks.
+Status trim_top(std::span<const SpeckPixel> specks, RRep& rrep, Arena& arena) {
+  const auto is_top = [&](const SpeckPixel& speck) { return speck.layer + 1U == rrep.grid.layers; };
+  if (std::ranges::none_of(specks, is_top)) return {};
+  auto empty = find_empty_layers(rrep, arena);
+  PLUMBLINE_TRY(empty);
+  if (empty->below < rrep.grid.layers) empty->below = 0;  // else nothing is left, which is refused
+  PLUMBLINE_TRY(trim_empty_layers(rrep, arena, *empty));
+  return {};
+}
+
 /// @param tips     of `rrep`, which is lifted
 /// @param scratch  for the struts
 Expected<std::span<Strut>> find_struts(const RRep& rrep, std::span<Tip> tips, const SupportSettings& settings,
@@ -177,6 +188,7 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
                       static_cast<double>(stood.grid.pitch_y_mm) * static_cast<double>(stood.grid.layer_height_mm);
   if (stood.is_exact || needed->specks.empty()) counts.lost_pixels = stand->sunk_pixels + needed->specks.size();
   PLUMBLINE_TRY(leave_out(needed->specks, stood, arena));
+  PLUMBLINE_TRY(trim_top(needed->specks, stood, arena));
   PLUMBLINE_TRY(stand_object(stood, {.sunk = 0, .lifted = stand->lifted}, arena));
   const auto found = find_struts(stood, needed->tips, settings, *scratch, arena, counts);
   PLUMBLINE_TRY(found);

@@ -57,13 +57,13 @@ TEST_F(PrintedBustSlow, IsTheBust) {
   ASSERT_TRUE(painter);
   std::vector<std::uint64_t> support_words(BitImage::words_needed(grid.columns, grid.rows));
   const BitImage supports(support_words, grid.columns, grid.rows);
-  std::vector<std::uint64_t> touched(BitImage::words_needed(supports.stride(), grid.rows));
+  std::vector<std::uint64_t> touched(BitImage::words_needed(grid.rows, 2 * supports.stride()));
   std::uint64_t both = 0;
   std::uint64_t either = 0;
   std::uint32_t layer = 0;
   plant.part().for_each_layer([&](const CuredLayer&, ConstBitImage cured) {
     supports.clear();
-    painter->draw(layer, supports, BitImage(touched, supports.stride(), grid.rows));
+    painter->draw(layer, supports, BitImage(touched, grid.rows, 2 * supports.stride()));
     const double z = (layer + 0.5) * static_cast<double>(grid.layer_height_mm);
     // A ninth of the voxels of every layer, in a pattern that leaves no column out.
     for (std::uint32_t y = layer % 3; y < grid.rows; y += 3) {

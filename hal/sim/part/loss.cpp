@@ -11,7 +11,7 @@ std::string to_string(const Loss& loss) {
                              loss.x_mm, loss.y_mm, loss.layer, loss.last_layer);
   if (loss.kind == LossKind::kTorn) {
     const auto used = static_cast<std::size_t>(length);
-    length += std::snprintf(text.data() + used, text.size() - used, "; the peel asked for %.2f N, %.2f N held",
+    length += std::snprintf(text.data() + used, text.size() - used, "; the peel asked for %.3g N, %.3g N held",
                             loss.asked_n, loss.held_n);
   }
   return std::string(text.data(), static_cast<std::size_t>(length));

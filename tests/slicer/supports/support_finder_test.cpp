@@ -329,6 +329,13 @@ TEST(Supports, LeaveOutASpeckBelowALiftedObject) {
   EXPECT_EQ(s.object[12 + s.counts.lifted].count(), 44U * 44U);
 }
 
+TEST(Supports, EndWithTheObjectIfASpeckAboveItIsLeftOut) {
+  const Supported s(cubic_grid(kSide, 27), blocks({{10, 54, 10, 54, 0, 20}, {30, 33, 30, 32, 25, 27}}));
+  EXPECT_EQ(s.counts.specks, 1U);
+  ASSERT_EQ(s.masks.size(), 20U);
+  EXPECT_EQ(s.masks.back().count(), 44U * 44U);
+}
+
 TEST(Supports, HoldWhatIsMoreThanASpeck) {
   // 9 pixels; and as small as a speck, but 3 layers high: its third layer gets a tip.
   for (const Block& block : {Block{36, 39, 30, 33, 18, 20}, Block{36, 38, 30, 32, 17, 20}}) {
