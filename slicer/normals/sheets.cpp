@@ -38,11 +38,6 @@ constexpr float kBeside = 4;             ///< radii of a point's share within wh
 constexpr float kContradicts =
     0.25F;  ///< join_weight() of neighbours that agree is above this, of others below its opposite
 
-/// A scanner's normal of a single point stays if the field changes by less than this within the radius of the point's share. At a
-/// turned point of a dense surface it changes by some .5. On a wall that few views saw, behind one that all saw, the sheets are
-/// those of the other wall, whose field hardly changes there: by its sign half of the normals were turned over.
-constexpr float kLooseEvidence = 0.05F;
-
 /// A scan is inside out if the winding number on its largest sheet is below this. It is 1/2 on a closed surface, -1/2 on the
 /// same inside out, and 0.3 and -0.3 on half a sphere. What encloses less could as well be the inside of a bowl, and stays
 /// as the scan says.
@@ -116,7 +111,7 @@ Expected<NormalCounts> Sheets::turn(FirstSide first) {
     find_other_sides(field);
     field.build(sides());
   }
-  turn_loose_points(field, first == FirstSide::kLargest ? kLooseEvidence : 0);
+  turn_loose_points(field);
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
     const Sheet* sheet = sheet_of(i);
     if (sheet == nullptr || sets_.fixed(i)) continue;
@@ -301,13 +296,13 @@ bool Sheets::is_height_field() const {
 }
 
 /// Turns the points that are in no sheet: outliers, and small groups at edges. They are not part of the field.
-void Sheets::turn_loose_points(const DipoleField& field, float least) {
+void Sheets::turn_loose_points(const DipoleField& field) {
   std::uint32_t turned = 0;
 #pragma omp parallel for schedule(dynamic, 256) reduction(+ : turned)
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
     if (sets_.fixed(i) || !cloud_.normal[i].known() || sheet_of(i) != nullptr) continue;
-    const float slope = field(cloud_.position[i], sides(), kRoughShare).gradient.dot(cloud_.normal[i].unpack());
-    if (!(cloud_.radius[i] * slope > least)) continue;
+    // Of a single point the sign of the slope is enough.
+    if (!(field(cloud_.position[i], sides(), kRoughShare).gradient.dot(cloud_.normal[i].unpack()) > 0)) continue;
     cloud_.normal[i].turn_over();
     ++turned;
   }

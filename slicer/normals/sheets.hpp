@@ -79,7 +79,7 @@ class Sheets {
   void sample(const DipoleField& field, std::span<Sheet> sheets, std::uint32_t most);
   bool first_is_inside_out(const DipoleField& field);
   bool is_height_field() const;
-  void turn_loose_points(const DipoleField& field, float least);
+  void turn_loose_points(const DipoleField& field);
   double total_flux() const;
 
   Cloud& cloud_;

@@ -19,8 +19,6 @@ constexpr float kPlaneSupports = 5.0F / 3;  ///< for an estimated normal, as a m
 constexpr std::uint32_t kMinPoints = 6;     ///< of a plane; it has three unknowns
 constexpr float kMinSide = 0.2F;  ///< least mean inner product with the normals around, or the side is not sure
 constexpr float kMaxTilt = 1;     ///< tangent of the largest tilt; points of a steeper plane are another sheet
-/// Mean height of a plane's points over their mean distance, beyond which the plane is that of another sheet.
-constexpr float kOtherSide = 0.7F;
 /// Least ratio of the two variances' product to their sum's square: 0.25 for a disc, 0 for a line, which has no plane.
 constexpr float kMinWidth2 = 0.05F;
 // Distance from the plane of the points that face the same way, beyond which a point is beside the sheet. A third of the points of a
@@ -109,16 +107,7 @@ Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, const KdTree3& tree,
   const auto normal = planes.normal();
   if (!normal) return own;
   float side = 0;
-  float height = 0;
-  float distance = 0;
-  for (const Neighbour& n : planes.points()) {
-    side += normal->dot(cloud.normal[n.index].unpack());
-    height += normal->dot(cloud.position[n.index] - cloud.position[i]);
-    distance += std::sqrt(n.distance2);
-  }
-  // Behind a wall that more points were seen of than of its own sheet, the plane is that of the other side.
-  const bool faces_away = (side > 0 ? 1.0F : -1.0F) * normal->dot(own) < -kOneWay;
-  if (faces_away && std::abs(height) > kOtherSide * distance) return own;
+  for (const Neighbour& n : planes.points()) side += normal->dot(cloud.normal[n.index].unpack());
   if (std::abs(side) < kMinSide * static_cast<float>(planes.points().size())) return own;
   return side > 0 ? *normal : Vec3f(-*normal);
 }
