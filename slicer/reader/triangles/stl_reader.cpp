@@ -28,13 +28,13 @@ std::uint64_t declared_triangles(const char* head) {
 }
 
 /// A binary file may begin with "solid", too, and text with something else: a comment, or a program's name. A size that fits the
-/// number of triangles, or a byte that no text has, decides.
+/// number of triangles decides, else the words of facets, else a byte that no text has.
 bool is_ascii(const ByteInput& input) {
   const std::string_view window(input.begin(), input.available());
   if (window.size() >= kHead && input.size() == kHead + kRecord * declared_triangles(window.data())) return false;
-  if (window.find('\0') != std::string_view::npos) return false;
   constexpr Separators kBlanksAndLineEnds{" \t\v\f\r\n"};
-  if (same_word(LineWords(window, kBlanksAndLineEnds).next(), "solid")) return true;
+  const bool is_text = window.find('\0') == std::string_view::npos;
+  if (is_text && same_word(LineWords(window, kBlanksAndLineEnds).next(), "solid")) return true;
   const auto has = [&](std::string_view word) { return window.find(word) != std::string_view::npos; };
   return (has("facet") && has("vertex")) || (has("FACET") && has("VERTEX"));
 }
