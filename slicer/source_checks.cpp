@@ -5,7 +5,7 @@
 namespace plumbline {
 namespace {
 
-/// An object whose longest side has fewer pixels is in another unit: nobody wants to print one so small.
+/// An object with fewer pixels along its longest side must be in another unit: nobody prints anything so small.
 constexpr double kFewestPixels = 8;
 
 }  // namespace

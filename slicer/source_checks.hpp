@@ -1,5 +1,5 @@
 #pragma once
-/// What is asked of scans and meshes alike before they are placed: their unit and their extent.
+/// Checks of scans and meshes alike before they are placed: is the unit clear, and is the extent large enough to print?
 
 #include "slicer/core/error.hpp"
 #include "slicer/core/numbers/vec.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-/// PNG images: masks by mask_deflate, pictures by libdeflate; masks read by lodepng, small pictures by libdeflate.
+/// PNG images: masks by mask_deflate, pictures by libdeflate; their sizes read by lodepng, small pictures by libdeflate.
 
 #include <cstddef>
 #include <cstdint>

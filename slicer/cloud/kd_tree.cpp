@@ -1,9 +1,9 @@
 #include "slicer/cloud/kd_tree.hpp"
 
 // nanoflann has no allocator hook: its pool calls ::malloc and ::free, and its index is a std::vector. Only this file
-// includes it. TreeBuilder makes the nodes, so the pool stays empty, and the tree is searched below. All headers that nanoflann needs come first. Then malloc
-// and free are redirected around that one include, and std::allocator is specialised for an index type of our own, as the
-// standard allows.
+// includes it. TreeBuilder makes the nodes, so the pool stays empty, and the search is our own, further down. All headers that
+// nanoflann needs come first. Then malloc and free are redirected around that one include, and std::allocator is specialised for
+// an index type of our own, as the standard allows.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -116,7 +116,7 @@ class NearestSet {
       : found_(found), beyond2_(next_up(most2)), accept_(accept) {}
   std::size_t size() const { return count_; }
   bool full() const { return count_ == found_.size(); }
-  /// Square of a distance, mm^2; what is not closer doesn't count.
+  /// Squared distance, mm^2. Only points closer than this can be among the nearest.
   float beyond2() const {
     // The next float up: a point at exactly the worst distance with a smaller index must not be pruned.
     return full() ? next_up(found_[count_ - 1].distance2) : beyond2_;

@@ -31,8 +31,8 @@ struct TreeNode {
     Split split;
     Leaf leaf;
   };
-  std::uint32_t
-      link;  ///< axis of the split, or kLeaf, in two bits; the others say where the children are, see TreeNodes
+  /// Two bits: the axis of the split, or kLeaf. The others say where the children are, see TreeNodes.
+  std::uint32_t link;
 
   std::uint32_t axis() const { return link & 3U; }
   bool is_leaf() const { return axis() == kLeaf; }

@@ -30,13 +30,13 @@ constexpr float kMostEvidence = 2;  ///< limit for one sample; a lid that fits i
 /// has 1 once the walls are known, but up to -0.05 if only a plate far below is, whose field it seems to contradict.
 constexpr double kClearEvidence = 0.1;
 
-/// A sheet that contradicts few of its neighbours is turned only on more evidence than this: it may be the floor of a vase whose
-/// underside nobody saw. A lid on a tube that was seen all around has 1, one that fits its hole 1/2.
+/// A sheet that agrees with its neighbours, or has hardly any, is turned only if the evidence exceeds this: it may be the floor
+/// inside a vase whose underside nobody saw. A lid on a tube that was seen all around has 1, one that fits its hole 1/2.
 constexpr double kAloneEvidence = 0.5;
 constexpr std::uint32_t kFollowers = 3;  ///< following points in the order of the tree that may lie in another sheet
 constexpr float kBeside = 4;             ///< radii of a point's share within which another is its neighbour
-constexpr float kContradicts =
-    0.25F;  ///< join_weight() of neighbours that agree is above this, of others below its opposite
+/// Two neighbours agree if their join_weight() is above this, and contradict each other if it is below its opposite.
+constexpr float kContradicts = 0.25F;
 
 /// A scan is inside out if the winding number on its largest sheet is below this. It is 1/2 on a closed surface, -1/2 on the
 /// same inside out, and 0.3 and -0.3 on half a sphere. What encloses less could as well be the inside of a bowl, and stays

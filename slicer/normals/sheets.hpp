@@ -26,8 +26,8 @@ struct Sheet {
   double flux = 0;   ///< sum of a <n, p - c>
   double reach = 0;  ///< sum of a |p - c|: the most that the flux can be
   float side = 0;    ///< 1 or -1; 0 until it is known
-  std::int32_t contradictions =
-      0;  ///< neighbours in other sheets that face the other side, minus those that face its side
+  /// Neighbours in other sheets that face the other side, minus those that face the same side.
+  std::int32_t contradictions = 0;
 };
 
 /// How surely two neighbours lie on one sheet, and whether they face the same side. The chord d between them lies nearly in

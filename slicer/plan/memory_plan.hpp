@@ -67,8 +67,8 @@ struct PlanEvidence {
   std::uint64_t reader_bytes = 0;  ///< ScanHeader::reader_bytes, the largest of the scan's files
   std::uint64_t kept_bytes = 0;    ///< ScanAnnouncement::kept_bytes
   bool confidence = false;         ///< SliceSettings::confidence
-  /// Points that are left when rays are shot: some are noise, others are joined. If unknown, as many as the cloud has room for, or
-  /// as `arena_bytes` have, but no fewer than the share kLeastJoined.
+  /// Points that are left when rays are shot: noise has gone and neighbours have been joined. Unknown: as many as the cloud or, if that
+  /// is less, `arena_bytes` have room for, but at least kLeastJoined of the cloud's.
   std::optional<std::uint32_t> ray_points = std::nullopt;
   std::size_t arena_bytes = std::numeric_limits<std::size_t>::max();  ///< that the job may use
   /// What the rays will find, if known. Otherwise the object is assumed to cover half of the grid: before the scan is read

@@ -103,7 +103,7 @@ Status check_room_for_part(const JobDirectory& directory, PrintSession& session)
   const PrintGrid& grid = session.grid();
   auto encoder = PngEncoder::for_masks(grid.columns, grid.rows);
   PLUMBLINE_TRY(encoder);
-  // Enough layers for a mean, since neighbours resemble each other.
+  // Neighbouring masks are alike, so these are enough for the mean size of a file.
   constexpr std::uint32_t kMostSamples = 64;
   const std::uint32_t samples = std::min(grid.layers, kMostSamples);
   constexpr std::uint64_t kBlock = 4096;  // file systems give whole ones

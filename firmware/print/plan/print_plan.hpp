@@ -1,9 +1,9 @@
 #pragma once
 /// Exposures, moves and waits of a print, layer by layer, and how long they take. Pure functions.
 ///
-/// Layer k of height h is cured with the plate's face at (k + 1) h above the film, or at h0 + k h if the first layer has another height
-/// h0. Then the part is lifted in two moves, slow
-/// while it peels and then fast, and comes down to the next layer in two moves, fast and then slow near the film:
+/// Layer k of height h is cured with the plate's face at (k + 1) h above the film, or at h0 + k h if the first layer has a height h0
+/// of its own. Then the part is lifted in two moves, slow while it peels and then fast, and comes down to the next layer in two
+/// moves, fast and then slow near the film:
 ///
 ///     lift     (k + 1) h  ->  + lift_height at lift_speed  ->  + lift_height2 at lift_speed2
 ///     retract  (k + 2) h + retract_height2 at retract_speed  ->  (k + 2) h at retract_speed2

@@ -179,7 +179,7 @@ const ForeignFormat* row_of(std::string_view ending) {
   for (const ForeignFormat& format : kFormats) {
     LineWords words(format.endings);
     for (auto word = words.next(); !word.empty(); word = words.next()) {
-      if (word == ending) return &format;
+      if (same_word(word, ending)) return &format;
     }
   }
   return nullptr;
@@ -207,7 +207,7 @@ std::string_view root_of(std::string_view text) {
   return {};
 }
 
-/// The first group of a DXF is 0, SECTION, unless comments (999) precede it.
+/// A DXF begins with a section (group 0, SECTION), perhaps after comments (group 999).
 bool is_dxf(std::string_view head) {
   for (;;) {
     const auto code = LineWords(take_line(head)).next();
@@ -246,14 +246,9 @@ bool is_3ds(std::string_view head, std::optional<std::uint64_t> size) {
 const ForeignFormat* foreign_format(std::string_view name) {
   const std::size_t dot = name.rfind('.');
   if (dot == std::string_view::npos) return nullptr;
-  for (const ForeignFormat& format : kFormats) {
-    if (&format.kind == &kPicture) continue;  // others than scans are passed over
-    LineWords words(format.endings);
-    for (auto word = words.next(); !word.empty(); word = words.next()) {
-      if (same_word(word, name.substr(dot))) return &format;
-    }
-  }
-  return nullptr;
+  const ForeignFormat* const format = row_of(name.substr(dot));
+  const bool is_picture = format != nullptr && &format->kind == &kPicture;
+  return is_picture ? nullptr : format;  // pictures beside scans are passed over
 }
 
 const ForeignFormat* foreign_content(std::string_view head, std::optional<std::uint64_t> size) {
