@@ -15,7 +15,7 @@
 #include "firmware/settings/support_choice.hpp"
 #include "firmware/state/socket_place.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's name
 class App;
 }
 
