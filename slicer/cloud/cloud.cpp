@@ -1,8 +1,8 @@
 #include "slicer/cloud/cloud.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace plumbline {
 namespace {
@@ -67,7 +67,7 @@ Status Cloud::give_back(Arena& arena) {
   // The first column lies highest. Each moves up, over room that those above it have left.
   const auto move = [&](auto& column, auto from) -> Status {
     PLUMBLINE_TRY(arena.take_top(column, size, "cloud"));
-    std::memmove(static_cast<void*>(column.data()), from.data(), column.size_bytes());
+    std::copy_backward(from.begin(), from.begin() + size, column.end());
     return {};
   };
   PLUMBLINE_TRY(move(position, before.position));
