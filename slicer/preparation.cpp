@@ -166,8 +166,8 @@ class Preparation {
     const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
     PLUMBLINE_TRY(measure(scan_, *tree_));
     const bool estimated = report_.normals.estimated > report_.cloud_points / 2;
-    SurfaceSettings settings{settings_.clustering, estimated ? NormalSource::kPoints : NormalSource::kScanner,
-                             settings_.keep_all, settings_.floor};
+    SurfaceSettings settings{estimated ? NormalSource::kPoints : NormalSource::kScanner, settings_.keep_all,
+                             settings_.floor};
     settings.floor.height -= scan_.offset[2];
     const auto surface = find_surface_points(scan_.cloud, *tree_, settings, arena_, {progress_, Stage::kClustering});
     PLUMBLINE_TRY(surface);

@@ -14,6 +14,7 @@
 #include "slicer/plan/ray_admission.hpp"
 #include "slicer/rays/grid_width.hpp"
 #include "slicer/rays/ray_shooter.hpp"
+#include "slicer/surface/clustering.hpp"
 #include "slicer/surface/joined_points.hpp"
 
 namespace plumbline {
@@ -69,7 +70,7 @@ class RayStages {
     max_radius_ = kMaxRadiusShare * epsilon_mm() * usual;
     if (!(*widest > max_radius_)) return {};
     const float left = max_radius_ / *widest;
-    const auto sheet = static_cast<float>(settings_.clustering.sparse_points);
+    const auto sheet = static_cast<float>(kSparsePoints);
     if (cloud_.support_points * left * left < sheet) max_radius_ = *widest;
     return {};
   }
@@ -166,11 +167,11 @@ class RayStages {
   std::optional<KdTree2> tree_;
 };
 
-void drop_features(RRep& rrep, const SliceSettings& settings, Arena& arena, SliceReport& report) {
-  const FeatureLimits limits = feature_limits(report.support_points, settings.clustering, report.lengths.epsilon,
-                                              report.lengths.noise, rrep.grid);
+void drop_features(RRep& rrep, Arena& arena, SliceReport& report) {
+  const FeatureLimits limits =
+      feature_limits(report.support_points, report.lengths.epsilon, report.lengths.noise, rrep.grid);
   // Removing a feature can let the mask's opening cut off what it supported, so noisy scans get a second sweep.
-  const int sweeps = widening(report.support_points, settings.clustering) > 1 ? 2 : 1;
+  const int sweeps = widening(report.support_points) > 1 ? 2 : 1;
   for (int sweep = 0; sweep < sweeps && !report.features.totals; ++sweep) {
     // Without room for the search, small features stay, and the print is as good as the scan.
     if (const auto features = drop_small_features(rrep, limits, arena)) report.features += *features;
@@ -225,7 +226,7 @@ Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, 
   if (report.mesh) {
     report.object_pixels = store.section_pixels();
   } else {
-    drop_features(*rrep, settings, arena, report);
+    drop_features(*rrep, arena, report);
   }
   PLUMBLINE_TRY(trim(*rrep, arena, report));
   return rrep;

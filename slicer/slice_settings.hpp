@@ -9,14 +9,12 @@
 #include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"
 #include "slicer/reader/read_as.hpp"
-#include "slicer/surface/clustering.hpp"
 
 namespace plumbline {
 
 struct SliceSettings {
   ReadAs as = ReadAs::kAuto;
   PlacementSettings placement;
-  ClusteringSettings clustering;
   BaseChoice base = BaseChoice::kAuto;
   FloorChoice floor;
   bool orient = false;        ///< turn the scan the best way up; placement.rotation_degrees must be 0

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "slicer/surface/clustering.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -19,9 +21,7 @@ float voxel_mm3(const PrintGrid& grid) { return grid.pitch_x_mm * grid.pitch_y_m
 
 }  // namespace
 
-float widening(float support_points, const ClusteringSettings& settings) {
-  return support_points / settings.min_support;
-}
+float widening(float support_points) { return support_points / kCleanSupport; }
 
 ComponentLimits component_limits(PrintLength epsilon, const PrintGrid& grid) {
   const float epsilon_mm = epsilon.value;
@@ -32,13 +32,12 @@ ComponentLimits component_limits(PrintLength epsilon, const PrintGrid& grid) {
   return limits;
 }
 
-FeatureLimits feature_limits(float support_points, const ClusteringSettings& settings, PrintLength epsilon,
-                             PrintLength noise, const PrintGrid& grid) {
+FeatureLimits feature_limits(float support_points, PrintLength epsilon, PrintLength noise, const PrintGrid& grid) {
   const float epsilon_mm = epsilon.value;
   const float epsilon2 = epsilon_mm * epsilon_mm;
-  const float points_of_epsilon = 2 * static_cast<float>(settings.min_points);
+  const float points_of_epsilon = 2 * static_cast<float>(kMinPts);
   const float support_mm2 = std::numbers::pi_v<float> * epsilon2 * support_points / points_of_epsilon;
-  const float widened = widening(support_points, settings);
+  const float widened = widening(support_points);
   const float flat_mm = kFlatHeight * noise.value / std::sqrt(std::max(support_points, 1.0F));
   const float pixel_mm2 = grid.pitch_x_mm * grid.pitch_y_mm;
   FeatureLimits limits;

@@ -5,13 +5,12 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/rrep/components.hpp"
-#include "slicer/surface/clustering.hpp"
 
 namespace plumbline {
 
 /// Points within a support radius, relative to a scan without noise. 1 if the scan has little noise.
 /// @param support_points  Cloud::support_points
-float widening(float support_points, const ClusteringSettings& settings);
+float widening(float support_points);
 
 /// Limits of components: solids and cavities below 50 epsilon^3 go. A single outlier makes about 6 epsilon^3.
 ComponentLimits component_limits(PrintLength epsilon, const PrintGrid& grid);
@@ -27,9 +26,7 @@ ComponentLimits component_limits(PrintLength epsilon, const PrintGrid& grid);
 ///   height of a flat feature = 6 noise / sqrt(support_points)                the surface is a mean over the support radius
 ///
 /// @param support_points  Cloud::support_points
-/// @param settings        of the clustering
 /// @param noise           ClusteringResult::noise on the print
-FeatureLimits feature_limits(float support_points, const ClusteringSettings& settings, PrintLength epsilon,
-                             PrintLength noise, const PrintGrid& grid);
+FeatureLimits feature_limits(float support_points, PrintLength epsilon, PrintLength noise, const PrintGrid& grid);
 
 }  // namespace plumbline

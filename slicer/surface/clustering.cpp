@@ -88,12 +88,8 @@ PLUMBLINE_WIDE void count(const Member& m, const Neighbourhood& batch, float eps
 
 class Clusterer {
  public:
-  Clusterer(Cloud& cloud, const KdTree3& tree, float epsilon, const ClusteringSettings& settings)
-      : cloud_(cloud),
-        tree_(tree),
-        epsilon_(epsilon),
-        settings_(settings),
-        noise_step_(cloud.size / kMedianSample + 1) {}
+  Clusterer(Cloud& cloud, const KdTree3& tree, float epsilon, SparseSurface sparse)
+      : cloud_(cloud), tree_(tree), epsilon_(epsilon), sparse_(sparse), noise_step_(cloud.size / kMedianSample + 1) {}
 
   Expected<ClusteringResult> run(Arena& arena, const StageProgress& progress) {
     PLUMBLINE_TRY(allocate(arena));
@@ -126,14 +122,14 @@ class Clusterer {
       for (std::uint32_t i = begin; i < end; ++i) evaluate(i, counts[i - begin]);
     };
     if (!for_blocks(cloud_.size, kSharedSearch, progress, measure_block)) return false;
-    coherent_ = static_cast<float>(median(near_)) >= kFacingShare * 2 * static_cast<float>(settings_.min_points);
+    coherent_ = static_cast<float>(median(near_)) >= kFacingShare * 2 * static_cast<float>(kMinPts);
     return true;
   }
 
   void evaluate(std::uint32_t i, const Counts& c) {
-    const auto min_points = static_cast<std::int32_t>(settings_.min_points);
-    const bool dense = c.near >= min_points;
-    const bool core = c.near > min_points && c.same_type > settings_.same_type_share * c.near;
+    constexpr auto kMinNear = static_cast<std::int32_t>(kMinPts);
+    const bool dense = c.near >= kMinNear;
+    const bool core = c.near > kMinNear && c.same_type > kSameTypeShare * c.near;
     flags_[i] = static_cast<std::uint8_t>((core ? kCore : 0) | (dense ? kDense : 0));
     cloud_.radius[i] = epsilon_ / std::sqrt(static_cast<float>(std::max(1, c.sheet)));
     if (i % noise_step_ == 0) {
@@ -141,11 +137,12 @@ class Clusterer {
       level_heights_[i / noise_step_] = c.mean(0.5F * (c.offset + c.depth));
       near_[i / noise_step_] = c.near;
     }
+    if (sparse_ == SparseSurface::kNoise) return;
     if (c.near >= kFewNeighbours) {
       // A point beside a sheet is an outlier, such as a flying pixel, however many neighbours it has on the sheet.
       const bool on_sheet = std::abs(c.offset) < kMostHeight * epsilon_ * static_cast<float>(c.near);
-      if (settings_.sparse_radius > 0 && on_sheet) flags_[i] |= kSparse;
-    } else if (const auto radius = sparse_surface_radius(cloud_, tree_, i, epsilon_, settings_)) {
+      if (on_sheet) flags_[i] |= kSparse;
+    } else if (const auto radius = sparse_surface_radius(cloud_, tree_, i, epsilon_)) {
       flags_[i] |= kSparse;
       cloud_.radius[i] = std::max(cloud_.radius[i], *radius);
     }
@@ -187,7 +184,7 @@ class Clusterer {
     result.noise = static_cast<float>(kMedianToDeviation) * median(heights_);
     const float level_noise = static_cast<float>(kMedianToDeviation) * median(level_heights_);
     const float noisy = std::clamp((level_noise / epsilon_ - kCleanNoise) / (kFullNoise - kCleanNoise), 0.0F, 1.0F);
-    cloud_.set_support_points(settings_.min_support + noisy * (settings_.max_support - settings_.min_support));
+    cloud_.set_support_points(kCleanSupport + noisy * (kNoisySupport - kCleanSupport));
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if ((flags_[i] & kNoisePoint) != 0) cloud_.normal[i].point_class = PointClass::kNoise;
       if ((flags_[i] & kCore) != 0) ++result.core_points;
@@ -199,7 +196,7 @@ class Clusterer {
   Cloud& cloud_;
   const KdTree3& tree_;
   float epsilon_;
-  const ClusteringSettings& settings_;
+  SparseSurface sparse_;
   std::uint32_t noise_step_;  ///< step between points at which the noise is measured
   std::span<std::uint8_t> flags_;
   std::span<float> heights_;  ///< of the samples, over the planes of their neighbours, mm
@@ -212,12 +209,11 @@ class Clusterer {
 
 }  // namespace
 
-Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                                Arena& arena) {
+Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, Arena& arena, std::uint32_t most_samples) {
   const ArenaScope scope(arena);
   constexpr std::uint32_t kMost = std::tuple_size_v<NearestRoom> / 2;
-  const std::uint32_t wanted = std::min({2 * settings.min_points + 1, cloud.size, kMost});  // the point itself is one
-  const std::uint32_t samples = std::min(settings.epsilon_sample, cloud.size);
+  const std::uint32_t wanted = std::min({2 * kMinPts + 1, cloud.size, kMost});  // the point itself is one
+  const std::uint32_t samples = std::min(most_samples, cloud.size);
   if (wanted < 2) return 0.0F;
   std::span<float> d2;
   PLUMBLINE_TRY(arena.take_top(d2, samples, kStage));
@@ -244,10 +240,10 @@ std::size_t clustering_bytes(std::uint32_t points) {
          Arena::rounded(samples * sizeof(std::int32_t));
 }
 
-Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon, const ClusteringSettings& settings,
-                                   Arena& arena, const StageProgress& progress) {
+Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon, Arena& arena,
+                                   const StageProgress& progress, SparseSurface sparse) {
   const ArenaScope scope(arena);
-  return Clusterer(cloud, tree, epsilon, settings).run(arena, progress);
+  return Clusterer(cloud, tree, epsilon, sparse).run(arena, progress);
 }
 
 }  // namespace plumbline

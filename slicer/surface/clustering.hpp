@@ -14,28 +14,28 @@ namespace plumbline {
 /// Points that tell a median over the scan: within 1 % of the whole cloud's.
 inline constexpr std::uint32_t kMedianSample = 16384;
 
-struct ClusteringSettings {
-  std::uint32_t min_points = 30;  ///< minPts of the thesis
-  double same_type_share = 0.75;  ///< a core point has more than this share of neighbours of its own type (thesis)
-  // Beyond the thesis: a noise point keeps its type if it lies on a sheet of `sparse_points` points, itself included,
-  // within `sparse_radius` by the same metric. Such a sheet is a part of the surface that few views saw. The rule does
-  // not apply where most points are outliers.
-  std::uint32_t sparse_points = 5;  ///< larger values lose the walls of narrow bores: slicer/EXPERIMENTS.md
-  float sparse_radius = 3;          ///< epsilons; 0 keeps the thesis' noise
-  float min_support = 15;           ///< points of a support on a clean scan; more lose detail (slicer/EXPERIMENTS.md)
-  float max_support = 100;          ///< points of a support on a noisy scan; more lose detail and take time
-  std::uint32_t epsilon_sample = kMedianSample;  ///< points measured for epsilon
-};
+inline constexpr std::uint32_t kMinPts = 30;  ///< minPts of the thesis
+inline constexpr double kSameTypeShare =
+    0.75;  ///< a core point has more than this share of neighbours of its own type (thesis)
+// Beyond the thesis: a noise point keeps its type if it lies on a sheet of kSparsePoints points, itself included, within kSparseRadius
+// by the same metric. Such a sheet is a part of the surface that few views saw. The rule does not apply where most points are outliers.
+inline constexpr std::uint32_t kSparsePoints =
+    5;                                     ///< larger values lose the walls of narrow bores: slicer/EXPERIMENTS.md
+inline constexpr float kSparseRadius = 3;  ///< epsilons
+inline constexpr float kCleanSupport =
+    15;  ///< points of a support on a clean scan; more lose detail (slicer/EXPERIMENTS.md)
+inline constexpr float kNoisySupport = 100;  ///< points of a support on a noisy scan; more lose detail and take time
+enum class SparseSurface : std::uint8_t { kKept, kNoise };  ///< kNoise: as in the thesis
 
 /// epsilon: the median over the points of the distance to the (2 minPts)-th nearest other point, mm.
 ///
 ///   epsilon = (d[floor(n/2)] + d[floor((n-1)/2)]) / 2, d ascending                       (thesis III-2.b)
 ///
-/// A larger cloud is sampled at equal steps of its order. This is the tree's, so the sample is spread evenly over the
+/// A cloud of more than `most_samples` points is sampled at equal steps of its order. This is the tree's, so the sample is spread evenly over the
 /// surface.
 /// @returns mm; 0 when most points coincide
-[[nodiscard]] Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree,
-                                              const ClusteringSettings& settings, Arena& arena);
+[[nodiscard]] Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, Arena& arena,
+                                              std::uint32_t most_samples = kMedianSample);
 
 struct ClusteringCounts {
   bool coherent = true;  ///< false if most points are outliers: the median point's neighbours face other ways
@@ -60,14 +60,14 @@ std::size_t clustering_bytes(std::uint32_t points);
 /// not noise. The clusters themselves, into which the thesis joins core points, decide nothing and are not numbered.
 ///
 /// Cloud::radius is set for supports that hold Cloud::support_points points at the density of the surface
-/// around i: min_support on a clean scan, up to max_support where noise must be averaged out.
+/// around i: kCleanSupport on a clean scan, up to kNoisySupport where noise must be averaged out.
 ///
 /// @param cloud    in the order of `tree`; normal[].point_class and radius[] are set
 /// @param progress  called from the caller's thread only
 /// @param arena  clustering_bytes() from the top, released on return
 /// @retval ErrorCode::kOutOfMemory, kCancelled
-[[nodiscard]] Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon,
-                                                 const ClusteringSettings& settings, Arena& arena,
-                                                 const StageProgress& progress = {});
+[[nodiscard]] Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon, Arena& arena,
+                                                 const StageProgress& progress = {},
+                                                 SparseSurface sparse = SparseSurface::kKept);
 
 }  // namespace plumbline

@@ -147,9 +147,8 @@ Tilt measure_tilt(const Vec3f& n, const Moments& moments, float noise) {
 
 }  // namespace
 
-Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                      const ClusteringResult& clustering, NormalSource source, std::span<PackedNormal> refined,
-                      const StageProgress& progress) {
+Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering, NormalSource source,
+                      std::span<PackedNormal> refined, const StageProgress& progress) {
   const bool measured = source == NormalSource::kScanner;
   const float share = std::sqrt(measured ? kPlanePoints / cloud.support_points : kPlaneSupports);
   const float explained = measured ? clustering.noise : 0;
@@ -171,7 +170,7 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
       refined[i] = cloud.normal[i];
       const Vec3f n = cloud.normal[i].unpack();
       if (!cloud.is_surface(i) || is_beside(n, moments[i - first], clustering)) {
-        refined[i].set(fit_normal(planes, cloud, tree, i, settings.sparse_radius * clustering.epsilon));
+        refined[i].set(fit_normal(planes, cloud, tree, i, kSparseRadius * clustering.epsilon));
         continue;
       }
       const Tilt& own = tilts[i - first] = measure_tilt(n, moments[i - first], explained);

@@ -36,14 +36,14 @@ enum class NormalSource : std::uint8_t {
 /// A point off the plane of the others that face its way lies beside their sheet: it is on the wall below an edge, where the
 /// scanner's window saw more of the face above. Its normal is not used, nor is that of a noise point, which is often noise
 /// because of its normal. Both get the normal of TangentPlanes, on the side of the normals around them, if these agree. A point
-/// with too few others within settings.sparse_radius * epsilon keeps its own. Noise stays noise; rescue_sparse_surface() tests
+/// with too few others within kSparseRadius * epsilon keeps its own. Noise stays noise; rescue_sparse_surface() tests
 /// it again.
 ///
 /// @param cloud    in the order of `tree`, radius[] and classes set by cluster()
 /// @param refined  cloud.size normals, output; their classes follow the normals
 /// @retval ErrorCode::kCancelled
-[[nodiscard]] Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                                    const ClusteringResult& clustering, NormalSource source,
-                                    std::span<PackedNormal> refined, const StageProgress& progress = {});
+[[nodiscard]] Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering,
+                                    NormalSource source, std::span<PackedNormal> refined,
+                                    const StageProgress& progress = {});
 
 }  // namespace plumbline

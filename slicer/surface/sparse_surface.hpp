@@ -15,8 +15,8 @@ namespace plumbline {
 /// corner make up to 0.1; a point straight above a sheet has 1.
 inline constexpr float kMostHeight = 0.2F;
 
-/// Tests whether point i lies on a sparse sheet of points that face its way. Of the nearest of these, settings.sparse_points
-/// (itself included) must lie within settings.sparse_radius * epsilon by the metric of the clustering, and its mean height over
+/// Tests whether point i lies on a sparse sheet of points that face its way. Of the nearest of these, kSparsePoints
+/// (itself included) must lie within kSparseRadius * epsilon by the metric of the clustering, and its mean height over
 /// them must be at most kMostHeight of their mean distance:
 ///
 ///   height = 1/2 <n_i + n_j, p_i - p_j>
@@ -24,14 +24,13 @@ inline constexpr float kMostHeight = 0.2F;
 /// On a curved surface the two halves of a height cancel; for a point off the surface they add up.
 ///
 /// @returns the radius of a disc as large as the point's share of that sheet, mm; nothing if it lies on none
-std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon,
-                                           const ClusteringSettings& settings);
+std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon);
 
 /// Repeats that test for all noise points. Many were noise because of a wrong normal, so call it after refine_normals()
 /// has fitted new ones. Don't call it where most points are outliers: a few of them always happen to face the same way.
 /// @param cloud   in the order of `tree`; sets class and radius[] of the points that are noise no more
 /// @retval ErrorCode::kCancelled
-[[nodiscard]] Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                                           float epsilon, const StageProgress& progress = {});
+[[nodiscard]] Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, float epsilon,
+                                           const StageProgress& progress = {});
 
 }  // namespace plumbline

@@ -197,12 +197,11 @@ std::size_t support_size_bytes(std::uint32_t threads) {
   return Arena::rounded(threads * sizeof(RiskMeter)) + threads * RiskMeter::bytes();
 }
 
-Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings, Arena& arena,
-                      const StageProgress& progress) {
+Status widen_supports(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress) {
   const float present = cloud.support_points;
-  if (!(present > settings.min_support) || cloud.size < kPlaces * kSamples) return {};
+  if (!(present > kCleanSupport) || cloud.size < kPlaces * kSamples) return {};
   const ArenaScope scope(arena);
-  const Sizes sizes(present, settings.min_support);
+  const Sizes sizes(present, kCleanSupport);
   const auto meters = arena.take_top<RiskMeter>(static_cast<std::size_t>(omp_get_max_threads()), kStage);
   PLUMBLINE_TRY(meters);
   for (RiskMeter& meter : *meters) {

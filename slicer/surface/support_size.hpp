@@ -28,7 +28,7 @@ std::size_t support_size_bytes(std::uint32_t threads);
 /// @param cloud  in the order of `tree`; radius[] and classes set by cluster(), noise is not used. Its supports grow
 /// @param arena  support_size_bytes() from the top, released on return
 /// @retval ErrorCode::kOutOfMemory, kCancelled
-[[nodiscard]] Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings, Arena& arena,
+[[nodiscard]] Status widen_supports(Cloud& cloud, const KdTree3& tree, Arena& arena,
                                     const StageProgress& progress = {});
 
 }  // namespace plumbline

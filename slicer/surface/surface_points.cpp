@@ -19,7 +19,7 @@ Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings
   const ArenaScope scope(arena);
   const auto refined = arena.take_top<PackedNormal>(cloud.size, "normals");
   PLUMBLINE_TRY(refined);
-  PLUMBLINE_TRY(refine_normals(cloud, tree, settings.clustering, clustering, settings.normals, *refined, progress));
+  PLUMBLINE_TRY(refine_normals(cloud, tree, clustering, settings.normals, *refined, progress));
   std::copy(refined->begin(), refined->end(), cloud.normal.begin());
   return {};
 }
@@ -100,10 +100,9 @@ bool SurfacePoints::found() const {
 
 Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings,
                                             Arena& arena, const StageProgress& progress) {
-  const ClusteringSettings& clustering_settings = settings.clustering;
-  const auto epsilon = density_epsilon(cloud, tree, clustering_settings, arena);
+  const auto epsilon = density_epsilon(cloud, tree, arena);
   PLUMBLINE_TRY(epsilon);
-  const auto clustered = cluster(cloud, tree, *epsilon, clustering_settings, arena, progress.part(0, 0.6));
+  const auto clustered = cluster(cloud, tree, *epsilon, arena, progress.part(0, 0.6));
   PLUMBLINE_TRY(clustered);
   SurfacePoints surface;
   surface.clustering = *clustered;
@@ -115,7 +114,7 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
   };
   if (clustering.coherent) {
     PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(0.6, 0.82)));
-    PLUMBLINE_TRY(rescue_sparse_surface(cloud, tree, clustering_settings, *epsilon, progress.part(0.82, 0.85)));
+    PLUMBLINE_TRY(rescue_sparse_surface(cloud, tree, *epsilon, progress.part(0.82, 0.85)));
   }
   // Beside a large floor a small object looks like a stray piece, and beside stray pieces a floor may not look like one.
   if (is_found()) cut_floor(cloud, settings, surface);
@@ -131,7 +130,7 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
     surface.flying_points = *flying;
   }
   const float narrow = cloud.support_points;
-  PLUMBLINE_TRY(widen_supports(cloud, tree, clustering_settings, arena, progress.part(0.85, 0.92)));
+  PLUMBLINE_TRY(widen_supports(cloud, tree, arena, progress.part(0.85, 0.92)));
   if (settings.normals == NormalSource::kPoints && clustering.coherent && cloud.support_points > narrow) {
     PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(0.92, 0.95)));
   }

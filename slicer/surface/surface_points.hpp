@@ -15,7 +15,6 @@
 namespace plumbline {
 
 struct SurfaceSettings {
-  ClusteringSettings clustering;
   NormalSource normals = NormalSource::kScanner;
   bool keep_strays = false;
   FloorChoice floor;  ///< its height in coordinates of the cloud

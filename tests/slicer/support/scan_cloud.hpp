@@ -54,14 +54,14 @@ struct ClusteredScan {
   /// Supports are cut to this, as slice() does.
   float max_radius() const { return 1.15F * clustering.epsilon * std::sqrt(std::max(1.0F, cloud.support_points / 40)); }
 };
-inline ClusteredScan clustered(const Surface& surface, Arena& arena, const ClusteringSettings& settings = {}) {
+inline ClusteredScan clustered(const Surface& surface, Arena& arena, SparseSurface sparse = SparseSurface::kKept) {
   Cloud cloud = cloud_of(surface, arena);
   ClusteringResult result;
   {
     const ArenaScope scope(arena);
     const KdTree3 tree = sort_by_tree(cloud, arena);
-    const float epsilon = value_of(density_epsilon(cloud, tree, settings, arena));
-    result = value_of(cluster(cloud, tree, epsilon, settings, arena));
+    const float epsilon = value_of(density_epsilon(cloud, tree, arena));
+    result = value_of(cluster(cloud, tree, epsilon, arena, {}, sparse));
   }
   return {cloud, result, value_of(KdTree2::build(cloud.positions(), arena, "test"))};
 }

@@ -22,7 +22,7 @@ struct Textbook {
   std::vector<bool> core;
   std::vector<std::uint32_t> near;  ///< points within epsilon, itself included
 
-  Textbook(const Cloud& cloud, double epsilon, const ClusteringSettings& settings) {
+  Textbook(const Cloud& cloud, double epsilon) {
     const std::uint32_t n = cloud.size;
     const auto distance = [&](std::uint32_t i, std::uint32_t j) {
       const double cosine = cloud.normal[i].unpack().cast<double>().dot(cloud.normal[j].unpack().cast<double>());
@@ -45,7 +45,7 @@ struct Textbook {
         same += type[i] == type[j] ? 1 : 0;
       }
       near.push_back(all);
-      core.push_back(all > settings.min_points && same > settings.same_type_share * all);
+      core.push_back(all > kMinPts && same > kSameTypeShare * all);
     }
     const std::vector<PointClass> types = type;
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -53,7 +53,7 @@ struct Textbook {
       for (std::uint32_t j = 0; j < n && !joins; ++j) {
         joins = core[j] && types[i] == types[j] && distance(i, j) <= epsilon;
       }
-      if (!joins && near[i] < settings.min_points) type[i] = PointClass::kNoise;
+      if (!joins && near[i] < kMinPts) type[i] = PointClass::kNoise;
     }
   }
 };
@@ -64,14 +64,12 @@ void expect_textbook_classes(const Surface& surface) {
   ArenaBlock arena(16 * kMiB);
   Cloud cloud = cloud_of(surface, *arena);
   const KdTree3 tree = sort_by_tree(cloud, *arena);
-  ClusteringSettings settings;
-  settings.sparse_radius = 0;
-  const float epsilon = value_of(density_epsilon(cloud, tree, settings, *arena)) * 1.0001F;
+  const float epsilon = value_of(density_epsilon(cloud, tree, *arena)) * 1.0001F;
   const std::size_t before = arena->top_used();
-  const ClusteringResult result = value_of(cluster(cloud, tree, epsilon, settings, *arena));
+  const ClusteringResult result = value_of(cluster(cloud, tree, epsilon, *arena, {}, SparseSurface::kNoise));
   EXPECT_EQ(arena->top_used(), before);
 
-  const Textbook book(cloud, epsilon, settings);
+  const Textbook book(cloud, epsilon);
   std::vector<PointClass> types;
   for (std::uint32_t i = 0; i < cloud.size; ++i) types.push_back(cloud.normal[i].point_class);
   EXPECT_EQ(types, book.type);
@@ -157,7 +155,7 @@ TEST(DensityEpsilon, IsTheMedianOfTheSixtiethNeighbourDistances) {
     }
     std::sort(sixtieth.begin(), sixtieth.end());
     const double median = (sixtieth[points / 2] + sixtieth[(points - 1) / 2]) / 2;
-    EXPECT_NEAR(value_of(density_epsilon(cloud, tree, {}, *arena)), median, 1e-5 * median);
+    EXPECT_NEAR(value_of(density_epsilon(cloud, tree, *arena)), median, 1e-5 * median);
   }
 }
 
@@ -170,11 +168,9 @@ TEST(DensityEpsilon, OfASampleIsWithinOnePercentOfTheWholeClouds) {
   ArenaBlock arena(16 * kMiB);
   Cloud cloud = cloud_of(surface, *arena);
   const KdTree3 tree = sort_by_tree(cloud, *arena);
-  ClusteringSettings whole;
-  ASSERT_GT(cloud.size, 2 * whole.epsilon_sample);
-  whole.epsilon_sample = cloud.size;
-  const float full = value_of(density_epsilon(cloud, tree, whole, *arena));
-  const float sampled = value_of(density_epsilon(cloud, tree, {}, *arena));
+  ASSERT_GT(cloud.size, 2 * kMedianSample);
+  const float full = value_of(density_epsilon(cloud, tree, *arena, cloud.size));
+  const float sampled = value_of(density_epsilon(cloud, tree, *arena));
   EXPECT_NEAR(sampled, full, 0.01 * full);
   EXPECT_NE(sampled, full) << "nothing was sampled";
 }
@@ -183,18 +179,16 @@ TEST(DensityEpsilon, OfPointsInOnePlaceIsZero) {
   ArenaBlock arena(kMiB);
   Cloud cloud = cloud_of(Surface(200, {Vec3d(1, 2, 3), Vec3d(0, 0, 1)}), *arena);
   const KdTree3 tree = sort_by_tree(cloud, *arena);
-  EXPECT_EQ(value_of(density_epsilon(cloud, tree, {}, *arena)), 0);
+  EXPECT_EQ(value_of(density_epsilon(cloud, tree, *arena)), 0);
 }
 
 /// Clusters a dense sheet next to one with the given spacing. Returns the share of the second sheet that is not noise.
-double kept_share_of_a_sheet_with_spacing(double spacing, float sparse_radius) {
+double kept_share_of_a_sheet_with_spacing(double spacing, SparseSurface sparse) {
   Random random(31);
   Surface surface = sheet({0, 0, 0}, {10, 0, 0}, {0, 10, 0}, 0.1, 0.3, random);
   append(surface, sheet({20, 0, 0}, {10, 0, 0}, {0, 10, 0}, spacing, 0.3, random));
   ArenaBlock arena(8 * kMiB);
-  ClusteringSettings settings;
-  settings.sparse_radius = sparse_radius;
-  const ClusteredScan scan = clustered(surface, *arena, settings);
+  const ClusteredScan scan = clustered(surface, *arena, sparse);
   double kept = 0;
   double all = 0;
   for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
@@ -206,10 +200,10 @@ double kept_share_of_a_sheet_with_spacing(double spacing, float sparse_radius) {
 }
 
 TEST(Clustering, KeepsSparseSurfaceThatTheThesisCallsNoise) {
-  EXPECT_EQ(kept_share_of_a_sheet_with_spacing(0.3, 0), 0);
-  EXPECT_GT(kept_share_of_a_sheet_with_spacing(0.3, 3), 0.98);
-  EXPECT_GT(kept_share_of_a_sheet_with_spacing(0.45, 3), 0.9);
-  EXPECT_EQ(kept_share_of_a_sheet_with_spacing(2, 3), 0);
+  EXPECT_EQ(kept_share_of_a_sheet_with_spacing(0.3, SparseSurface::kNoise), 0);
+  EXPECT_GT(kept_share_of_a_sheet_with_spacing(0.3, SparseSurface::kKept), 0.98);
+  EXPECT_GT(kept_share_of_a_sheet_with_spacing(0.45, SparseSurface::kKept), 0.9);
+  EXPECT_EQ(kept_share_of_a_sheet_with_spacing(2, SparseSurface::kKept), 0);
 }
 
 TEST(Clustering, CallsOutliersBesideASurfaceNoiseEvenWhenItKeepsSparseSurface) {
@@ -230,7 +224,7 @@ TEST(Clustering, SetsRadiiOfDiscsThatHoldTheSupportPoints) {
   const Surface surface = sheet({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.2, 0.2, random);
   ArenaBlock arena(8 * kMiB);
   const ClusteredScan scan = clustered(surface, *arena);
-  EXPECT_EQ(scan.cloud.support_points, ClusteringSettings{}.min_support);
+  EXPECT_EQ(scan.cloud.support_points, kCleanSupport);
   EXPECT_LT(scan.clustering.noise, 1e-4F);
   for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
     const Vec3f& p = scan.cloud.position[i];
@@ -247,7 +241,7 @@ TEST(Clustering, MeasuresTheNoiseOfAScanAndWidensTheSupports) {
   ArenaBlock arena(8 * kMiB);
   const ClusteredScan scan = clustered(surface, *arena);
   EXPECT_NEAR(scan.clustering.noise, 0.05, 0.01);
-  EXPECT_GT(scan.cloud.support_points, 2 * ClusteringSettings{}.min_support);
+  EXPECT_GT(scan.cloud.support_points, 2 * kCleanSupport);
 }
 
 /// @returns points of a support of a sphere with few points: epsilon is .7 radii
@@ -260,8 +254,8 @@ float support_points_of_a_coarse_sphere(double noise) {
 }
 
 TEST(Clustering, WidensTheSupportsOfACoarseScanByItsNoiseAndNotByItsCurvature) {
-  EXPECT_EQ(support_points_of_a_coarse_sphere(0), ClusteringSettings{}.min_support);
-  EXPECT_GT(support_points_of_a_coarse_sphere(0.15), 2 * ClusteringSettings{}.min_support);
+  EXPECT_EQ(support_points_of_a_coarse_sphere(0), kCleanSupport);
+  EXPECT_GT(support_points_of_a_coarse_sphere(0.15), 2 * kCleanSupport);
 }
 
 TEST(Clustering, TakesNoMoreThanItsPlan) {
@@ -271,7 +265,7 @@ TEST(Clustering, TakesNoMoreThanItsPlan) {
     const KdTree3 tree = sort_by_tree(cloud, *arena);
     const std::size_t used = arena->used();
     arena->reset_peak();
-    value_of(cluster(cloud, tree, 0.5F, {}, *arena));
+    value_of(cluster(cloud, tree, 0.5F, *arena));
     EXPECT_LE(arena->peak() - used, clustering_bytes(points));
   }
 }
@@ -284,7 +278,7 @@ TEST(Clustering, ReportsAFullArenaAndReleasesWhatItTook) {
   const KdTree3 tree = sort_by_tree(cloud, *arena);
   ASSERT_TRUE(arena->take_top<std::byte>(arena->available() - 16384, "the rest").has_value());
   const std::size_t used = arena->used();
-  const auto result = cluster(cloud, tree, 0.5F, {}, *arena);
+  const auto result = cluster(cloud, tree, 0.5F, *arena);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code(), ErrorCode::kOutOfMemory);
   EXPECT_EQ(arena->used(), used);

@@ -121,8 +121,8 @@ std::uint32_t flying_in(const Surface& surface) {
   ArenaBlock arena(64 * kMiB);
   Cloud cloud = cloud_of(surface, *arena);
   const KdTree3 tree = sort_by_tree(cloud, *arena);
-  const float epsilon = value_of(density_epsilon(cloud, tree, {}, *arena));
-  ClusteringResult clustering = value_of(cluster(cloud, tree, epsilon, {}, *arena));
+  const float epsilon = value_of(density_epsilon(cloud, tree, *arena));
+  ClusteringResult clustering = value_of(cluster(cloud, tree, epsilon, *arena));
   return value_of(mark_flying_points(cloud, tree, clustering, *arena));
 }
 

@@ -50,7 +50,7 @@ Surface noisy_plane(const Vec3d& normal, double most = 0.03) {
 }
 
 ClusteringResult clustered(Cloud& cloud, const KdTree3& tree, Arena& arena) {
-  return value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, arena)), {}, arena));
+  return value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, arena)), arena));
 }
 
 struct Refined {
@@ -64,7 +64,7 @@ struct Refined {
     const KdTree3 tree = sort_by_tree(cloud, arena);
     clustering = clustered(cloud, tree, arena);
     std::vector<PackedNormal> refined(cloud.size);
-    EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, source, refined));
+    EXPECT_TRUE(refine_normals(cloud, tree, clustering, source, refined));
     std::uint32_t counted = 0;
     for (std::uint32_t i = 0; i < cloud.size; ++i) {
       const Vec3f& p = cloud.position[i];
@@ -103,7 +103,7 @@ TEST(RefinedNormals, DontFollowNoise) {
   ClusteringResult clustering = clustered(cloud, tree, *block);
   const auto mean_error = [&] {
     std::vector<PackedNormal> refined(cloud.size);
-    EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kScanner, refined));
+    EXPECT_TRUE(refine_normals(cloud, tree, clustering, NormalSource::kScanner, refined));
     double sum = 0;
     for (const PackedNormal& n : refined) sum += Refined::angle(Vec3d(0, 0, 1), n.unpack());
     return sum / cloud.size;
@@ -120,7 +120,7 @@ TEST(RefinedNormals, OfPointsThatNoisePutOffTheirSheetAreKept) {
   const KdTree3 tree = sort_by_tree(cloud, *block);
   const ClusteringResult clustering = clustered(cloud, tree, *block);
   std::vector<PackedNormal> refined(cloud.size);
-  ASSERT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kScanner, refined));
+  ASSERT_TRUE(refine_normals(cloud, tree, clustering, NormalSource::kScanner, refined));
   std::uint32_t off = 0;
   std::uint32_t tilted = 0;
   for (std::uint32_t i = 0; i < cloud.size; ++i) {
@@ -146,8 +146,8 @@ TEST(RefinedNormals, AreFittedToMorePointsIfEstimatedFromANoisyScan) {
   };
   std::vector<PackedNormal> as_scanned(cloud.size);
   std::vector<PackedNormal> as_estimated(cloud.size);
-  EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kScanner, as_scanned));
-  EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kPoints, as_estimated));
+  EXPECT_TRUE(refine_normals(cloud, tree, clustering, NormalSource::kScanner, as_scanned));
+  EXPECT_TRUE(refine_normals(cloud, tree, clustering, NormalSource::kPoints, as_estimated));
   EXPECT_LT(mean_error(as_estimated), 0.5 * mean_error(as_scanned)) << "degrees";
 }
 
@@ -164,7 +164,7 @@ TEST(RefinedNormals, BelowAnEdgeDontStayThoseOfTheFaceAbove) {
   const KdTree3 tree = sort_by_tree(cloud, *block);
   const ClusteringResult clustering = clustered(cloud, tree, *block);
   std::vector<PackedNormal> refined(cloud.size);
-  ASSERT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kScanner, refined));
+  ASSERT_TRUE(refine_normals(cloud, tree, clustering, NormalSource::kScanner, refined));
   std::uint32_t wrong = 0;
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < cloud.size; ++i) {

@@ -43,14 +43,14 @@ struct Clustered {
   ClusteringResult result;
 
   explicit Clustered(const Surface& surface) : cloud(cloud_of(surface, *block)), tree(sort_by_tree(cloud, *block)) {
-    const float epsilon = value_of(density_epsilon(cloud, tree, {}, *block));
-    result = value_of(cluster(cloud, tree, epsilon, {}, *block));
+    const float epsilon = value_of(density_epsilon(cloud, tree, *block));
+    result = value_of(cluster(cloud, tree, epsilon, *block));
   }
   void rescue() {
     std::vector<PackedNormal> refined(cloud.size);
-    check(refine_normals(cloud, tree, {}, result, NormalSource::kScanner, refined));
+    check(refine_normals(cloud, tree, result, NormalSource::kScanner, refined));
     std::copy(refined.begin(), refined.end(), cloud.normal.begin());
-    check(rescue_sparse_surface(cloud, tree, {}, result.epsilon));
+    check(rescue_sparse_surface(cloud, tree, result.epsilon));
   }
   /// Share of the points for which `where` is true that are not noise.
   template <class Where>
@@ -83,7 +83,7 @@ TEST(SparseSurface, IncludesTheSparseSideOfAThinWall) {
   const Cloud cloud = cloud_of(surface, *block);
   const KdTree3 tree = value_of(KdTree3::build(cloud.positions(), *block, "test"));
   for (std::uint32_t i = from; i < cloud.size; ++i) {
-    EXPECT_TRUE(sparse_surface_radius(cloud, tree, i, 0.6F, {}).has_value()) << cloud.position[i].transpose();
+    EXPECT_TRUE(sparse_surface_radius(cloud, tree, i, 0.6F).has_value()) << cloud.position[i].transpose();
   }
 }
 
@@ -96,7 +96,7 @@ TEST(SparseSurface, LeavesOutPointsBesideIt) {
   const Cloud cloud = cloud_of(surface, *block);
   const KdTree3 tree = value_of(KdTree3::build(cloud.positions(), *block, "test"));
   for (std::uint32_t i = from; i < cloud.size; ++i) {
-    EXPECT_FALSE(sparse_surface_radius(cloud, tree, i, 0.55F, {}).has_value()) << cloud.position[i].transpose();
+    EXPECT_FALSE(sparse_surface_radius(cloud, tree, i, 0.55F).has_value()) << cloud.position[i].transpose();
   }
 }
 
@@ -117,15 +117,6 @@ TEST(SparseSurface, IsRescuedWhereItsNormalsWereWrong) {
   scan.rescue();
   EXPECT_GT(scan.kept(in_bore), before + 0.1);
   EXPECT_LT(scan.kept(outlier), 0.02);
-}
-
-TEST(SparseSurface, IsOffWithARadiusOfZero) {
-  ArenaBlock block(kMiB);
-  const Cloud cloud = cloud_of(Surface(20, {Vec3d(1, 2, 3), Vec3d(0, 0, 1)}), *block);
-  const KdTree3 tree = value_of(KdTree3::build(cloud.positions(), *block, "test"));
-  ClusteringSettings settings;
-  settings.sparse_radius = 0;
-  EXPECT_FALSE(sparse_surface_radius(cloud, tree, 0, 1, settings).has_value());
 }
 
 }  // namespace sparse_surface_test

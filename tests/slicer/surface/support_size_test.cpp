@@ -46,8 +46,8 @@ struct Widened {
     Arena& arena = *block;
     Cloud cloud = cloud_of(surface, arena);
     const KdTree3 tree = sort_by_tree(cloud, arena);
-    const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
-    value_of(cluster(cloud, tree, epsilon, {}, arena));
+    const float epsilon = value_of(density_epsilon(cloud, tree, arena));
+    value_of(cluster(cloud, tree, epsilon, arena));
     for (std::uint32_t i = 0; i < cloud.size; ++i) {
       if (cloud.position[i][2] > marked) cloud.normal[i].point_class = PointClass::kNoise;
     }
@@ -55,7 +55,7 @@ struct Widened {
     const float radius = cloud.radius[0];
     const std::size_t used = arena.used();
     arena.reset_peak();
-    EXPECT_TRUE(widen_supports(cloud, tree, {}, arena));
+    EXPECT_TRUE(widen_supports(cloud, tree, arena));
     support_after = cloud.support_points;
     taken = arena.peak() - used;
     EXPECT_EQ(arena.used(), used);
@@ -122,10 +122,10 @@ TEST(SupportSize, ReportsProgressAndStopsWhenCancelled) {
   Arena& arena = *block;
   Cloud cloud = cloud_of(waves(1, 20, 0.03, random), arena);
   const KdTree3 tree = sort_by_tree(cloud, arena);
-  const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
-  value_of(cluster(cloud, tree, epsilon, {}, arena));
+  const float epsilon = value_of(density_epsilon(cloud, tree, arena));
+  value_of(cluster(cloud, tree, epsilon, arena));
   const float before = cloud.radius[0];
-  const Status status = widen_supports(cloud, tree, {}, arena, {&stop, Stage::kClustering});
+  const Status status = widen_supports(cloud, tree, arena, {&stop, Stage::kClustering});
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code(), ErrorCode::kCancelled);
   EXPECT_EQ(stop.reports, 3);

@@ -75,8 +75,8 @@ struct Continued {
     std::copy(scan.normal.begin(), scan.normal.end(), cloud.normal.begin());
     cloud.size = seen = points;
     const KdTree3 tree = sort_by_tree(cloud, arena);
-    const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
-    ClusteringResult clustering = value_of(cluster(cloud, tree, epsilon, {}, arena));
+    const float epsilon = value_of(density_epsilon(cloud, tree, arena));
+    ClusteringResult clustering = value_of(cluster(cloud, tree, epsilon, arena));
     const std::size_t used = arena.used();
     arena.reset_peak();
     walls = value_of(continue_bore_walls(cloud, tree, clustering, arena));
@@ -226,8 +226,8 @@ TEST(BoreWalls, AreExtendedAsFarAsTheCloudHasRoom) {
   ArenaBlock block(64 * kMiB);
   Cloud cloud = cloud_of(surface, *block);
   const KdTree3 tree = sort_by_tree(cloud, *block);
-  const float epsilon = value_of(density_epsilon(cloud, tree, {}, *block));
-  ClusteringResult clustering = value_of(cluster(cloud, tree, epsilon, {}, *block));
+  const float epsilon = value_of(density_epsilon(cloud, tree, *block));
+  ClusteringResult clustering = value_of(cluster(cloud, tree, epsilon, *block));
   EXPECT_EQ(value_of(continue_bore_walls(cloud, tree, clustering, *block)).points, 0U);
   EXPECT_EQ(cloud.size, surface.size());
 }
@@ -238,8 +238,8 @@ TEST(BoreWalls, StopWhenCancelled) {
   ArenaBlock block(64 * kMiB);
   Cloud cloud = cloud_of(bored_block(random), *block);
   const KdTree3 tree = sort_by_tree(cloud, *block);
-  const float epsilon = value_of(density_epsilon(cloud, tree, {}, *block));
-  ClusteringResult clustering = value_of(cluster(cloud, tree, epsilon, {}, *block));
+  const float epsilon = value_of(density_epsilon(cloud, tree, *block));
+  ClusteringResult clustering = value_of(cluster(cloud, tree, epsilon, *block));
   const auto walls = continue_bore_walls(cloud, tree, clustering, *block, {&stop, Stage::kClustering});
   ASSERT_FALSE(walls);
   EXPECT_EQ(walls.error().code(), ErrorCode::kCancelled);
