@@ -18,7 +18,6 @@ constexpr const char* kStage = "views";
 
 constexpr std::size_t kSample = ViewGridFit::kMaxPoints;
 constexpr std::uint32_t kBlock = 1024;      ///< points of the cloud that one thread looks at in a row
-constexpr std::size_t kTold = 512;          ///< more points than a thread told the others last
 constexpr std::size_t kRoom = kSample + 1;  ///< points: one more than fit, before every second one is dropped
 /// Growth of the radius in one step. The grid must be right to a third of a pixel at the new radius, so that larger
 /// steps lose it and smaller ones take longer.
@@ -58,7 +57,7 @@ bool keeps_scale(const ViewGrid& grid, const ViewGrid& first) {
 std::size_t GridGrowth::bytes(std::uint32_t threads) {
   const std::size_t parts = parts_for(threads);
   return 3 * kSample * sizeof(float) +
-         parts * (sizeof(Part) + sizeof(std::uint64_t) + kRoom * (3 * sizeof(float) + sizeof(std::uint32_t)));
+         parts * (sizeof(Part) + kRoom * (3 * sizeof(float) + sizeof(std::uint32_t)));
 }
 
 Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
@@ -68,7 +67,6 @@ Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree,
   const Vec3f size = cloud.bounds().size();
   GridGrowth growth(cloud, tree, view_of, 0.5 * std::sqrt(static_cast<double>(size.dot(size))), *room);
   PLUMBLINE_TRY(arena.take_top(growth.parts_, parts_for(static_cast<std::size_t>(omp_get_max_threads())), kStage));
-  PLUMBLINE_TRY(arena.take_top(growth.told_, growth.parts_.size(), kStage));
   for (Part& part : growth.parts_) {
     part = {};
     for (std::span<float>& axis : part.at) PLUMBLINE_TRY(arena.take_top(axis, kRoom, kStage));
@@ -162,10 +160,8 @@ LocalPoints GridGrowth::take_sample(const Vec3f& middle, double radius) {
 
 /// @param stride  of the sample, at least: the smallest with which the points fit
 const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, std::uint32_t stride) {
-  std::fill(told_.begin(), told_.end(), 0);
   for (Part& part : parts_) {
     part.size = part.taken = 0;
-    part.told = 0;
     part.stride = stride;
   }
 #pragma omp parallel
@@ -199,21 +195,6 @@ const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, s
   }
 }
 
-/// Tells the others how many points a thread has, and thins them if all have too many for their stride.
-void GridGrowth::tell(Part& part, std::uint32_t thread, std::uint32_t threads) {
-  std::size_t all = part.size;
-  for (std::uint32_t other = 0; other < threads; ++other) {
-    std::uint64_t told = 0;
-#pragma omp atomic read
-    told = told_[other];
-    if (other != thread && told >> 32U >= part.stride) all += told & 0xFFFFFFFFU;
-  }
-  if (all > kSample) part.thin();
-  part.told = std::uint64_t{part.stride} << 32U | part.size;
-#pragma omp atomic write
-  told_[thread] = part.told;
-}
-
 /// Takes the points of a thread: the blocks of the cloud go around.
 void GridGrowth::collect_part(const Vec3f& middle, float radius, std::uint32_t thread, std::uint32_t threads) {
   Part part = parts_[thread];  // a copy, since threads that write side by side wait for each other
@@ -236,7 +217,6 @@ void GridGrowth::collect_part(const Vec3f& middle, float radius, std::uint32_t t
                          }
                        }
                        begin = end;
-                       if (threads > 1 && part.size >= (part.told & 0xFFFFFFFFU) + kTold) tell(part, thread, threads);
                      }
                    });
   parts_[thread] = part;

@@ -55,7 +55,6 @@ class GridGrowth {
     std::size_t size = 0;
     std::size_t taken = 0;  ///< points that are in the sample already
     std::uint32_t stride = 1;
-    std::uint64_t told = 0;  ///< what the other threads were told last: stride times 2^32, plus size
 
     void thin();
     void take(Part& from, std::size_t end);
@@ -63,7 +62,6 @@ class GridGrowth {
   LocalPoints take_sample(const Vec3f& middle, double radius);
   const Part& collect(const Vec3f& middle, float radius, std::uint32_t stride);
   void collect_part(const Vec3f& middle, float radius, std::uint32_t thread, std::uint32_t threads);
-  void tell(Part& part, std::uint32_t thread, std::uint32_t threads);
 
   const Cloud* cloud_;
   const KdTree3* tree_;
@@ -71,7 +69,6 @@ class GridGrowth {
   double extent_;  ///< half the diagonal of the scan, mm
   ViewGridFit fit_;
   std::span<Part> parts_;          ///< of each thread; the last one is the whole
-  std::span<std::uint64_t> told_;  ///< Part::told of each part, for the other threads
 };
 
 }  // namespace plumbline
