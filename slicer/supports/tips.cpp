@@ -281,6 +281,31 @@ class Sweep {
     return done;
   }
 
+  /// The layer in which a foot below a tip can stand: the highest that the object below reaches in half of the foot's pixels. A foot on fewer, such as
+  /// the edge of a thin wall, would be torn off or an island; it passes them by.
+  std::uint16_t floor_below(std::uint32_t column, std::uint32_t row) {
+    std::uint32_t floor = 0;
+    for (std::uint32_t step = 1U << 15; step != 0; step /= 2) {
+      if (floor + step <= top(column, row) && is_footing(column, row, floor + step)) floor += step;
+    }
+    return static_cast<std::uint16_t>(floor);
+  }
+
+  bool is_footing(std::uint32_t column, std::uint32_t row, std::uint32_t floor) {
+    std::uint32_t pixels = 0;
+    std::uint32_t reached = 0;
+    for_each_disc_span(pitch_, column, row, head_, grid_.columns, grid_.rows,
+                       [&](std::uint32_t r, std::uint32_t begin, std::uint32_t end) {
+                         pixels += end - begin;
+                         if (r < window_.row || r >= window_.row_end) return;
+                         const std::uint32_t most = std::min(end, window_.word_end * 64);
+                         for (std::uint32_t c = std::max(begin, window_.word * 64); c < most; ++c) {
+                           if (below_.at(c, r) || top(c, r) >= floor) ++reached;
+                         }
+                       });
+    return 2 * reached >= pixels;
+  }
+
   Status add_tip(std::uint32_t column, std::uint32_t row, std::uint32_t layer, ConstBitImage mask, bool island) {
     if (count_ == list_.size()) {
       return telling(
@@ -295,7 +320,7 @@ class Sweep {
     tip = {};
     tip.column = static_cast<std::uint16_t>(column);
     tip.row = static_cast<std::uint16_t>(row);
-    tip.floor = top(column, row);
+    tip.floor = floor_below(column, row);
     tip.layer = static_cast<std::uint16_t>(layer);
     tip.end = static_cast<std::uint16_t>(std::min(layer + penetration_, grid_.layers + lifted_));
     tip.island = island;

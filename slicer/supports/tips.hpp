@@ -17,7 +17,7 @@ namespace plumbline {
 /// A place of the object that a support holds.
 struct Tip {
   std::uint16_t column = 0, row = 0;
-  std::uint16_t floor = 0;  ///< lowest layer of the empty space below it; 0: the plate
+  std::uint16_t floor = 0;  ///< layer in which a foot straight below it stands; 0: on the plate
   std::uint16_t layer = 0;  ///< first layer of the object above it
   std::uint16_t end = 0;    ///< layer after the last that its head may reach into
   bool island = false;      ///< else an overhang

@@ -171,6 +171,20 @@ TEST(Supports, StandInTheObjectAndNotOnThePointOfASpire) {
   EXPECT_EQ(check(s.masks, {}, 0.025F).count(IssueKind::kIsland), 0U);
 }
 
+TEST(Supports, StandBesideTheEdgeOfAThinWallAndNotOnIt) {
+  // The icicle above a wall of 2 x 12 pixels of 0.025 mm: a foot on its edge would be torn off.
+  const Inside cave = blocks({{2, 62, 2, 62, 0, 10},
+                              {2, 8, 2, 62, 10, 100},
+                              {2, 62, 2, 62, 90, 100},
+                              {30, 35, 30, 35, 80, 90},
+                              {31, 33, 26, 38, 10, 40}});
+  const Supported s(cubic_grid(kSide, 100, 0.025F), cave);
+  EXPECT_GE(s.counts.on_object, 1U);
+  EXPECT_TRUE(s.masks[12].at(28, 32)) << "the foot is on the floor";
+  EXPECT_EQ(floating_islands(s.masks), 0U);
+  EXPECT_EQ(check(s.masks, {}, 0.025F).count(IssueKind::kTear), 0U);
+}
+
 TEST(Supports, HoldTheWingsOfAT) {
   const Supported s(blocks({{29, 35, 20, 44, 0, 40}, {2, 62, 20, 44, 24, 40}}));
   expect_printable(s);
