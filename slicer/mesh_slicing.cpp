@@ -208,11 +208,10 @@ tl::unexpected<Error> fail_empty(MeshFiles& files, const MeshCounts& counts) {
         Told(ToldCode::kNoTriangles),
         fail(ErrorCode::kNoPoints, "%s: has no triangle.\tExport the mesh again, with its faces", title.c_str()));
   }
-  return telling(
-      Told(ToldCode::kNoTriangles),
-      fail(ErrorCode::kNoPoints,
-           "%s: has no usable triangle: all %llu have a coordinate that is not finite or huge.\tExport it again",
-           title.c_str(), static_cast<unsigned long long>(counts.not_finite)));
+  return telling(Told(ToldCode::kNoTriangles), fail(ErrorCode::kNoPoints,
+                                                    "%s: has no usable triangle: each has a coordinate that is not "
+                                                    "finite or huge (%llu in all).\tExport it again",
+                                                    title.c_str(), static_cast<unsigned long long>(counts.not_finite)));
 }
 
 }  // namespace

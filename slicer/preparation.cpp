@@ -5,6 +5,7 @@
 
 #include "slicer/cloud/cloud_reader.hpp"
 #include "slicer/core/stage_scope.hpp"
+#include "slicer/core/words/plural.hpp"
 #include "slicer/mesh_slicing.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/plan/scan_admission.hpp"
@@ -276,16 +277,16 @@ Status check_surface(const PreparedScan& scan, ScanSources sources, const Prepar
     return telling(
         Told(ToldCode::kSurfaceNotFound, {{Fact::kPoints, found.cloud_points}}),
         fail(ErrorCode::kNoSurface,
-             "%s: no surface found in %u points, to which %llu were thinned because the arena has no room for more.\t"
+             "%s: no surface found in %u point%s, to which %llu were thinned because the arena has no room for more.\t"
              "Use a larger arena (--arena-mib), or check the normals of the scan",
-             title.c_str(), found.cloud_points, points));
+             title.c_str(), found.cloud_points, plural_s(found.cloud_points), points));
   }
   return telling(
       Told(ToldCode::kSurfaceNotFound, {{Fact::kPoints, points}}),
       fail(ErrorCode::kNoSurface,
-           "%s: no surface found in %llu points: most have too few neighbours that face the same way.\tCheck the "
+           "%s: no surface found in %llu point%s: most have too few neighbours that face the same way.\tCheck the "
            "normals of the scan, or scan more densely",
-           title.c_str(), points));
+           title.c_str(), points, plural_s(points)));
 }
 
 void move_to_print(const Placement& placement, PreparedScan& scan, const PreparationReport& found,

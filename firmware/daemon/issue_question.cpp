@@ -22,7 +22,7 @@ Expected<bool> IssueQuestion::ask(const SlicedRecord& sliced, Answers& answers, 
   FixedText<400> text;
   if (action() == CheckAction::kAsk) {
     text.add("found in the layers: %s. Press start to print it all the same, or cancel",
-             issue_counts(findings_).c_str());
+             issue_counts(findings_, policy_, CheckAction::kAsk).c_str());
   } else {
     text.add("%s. Press start to print it, or cancel", sliced_line(sliced).c_str());
   }

@@ -16,6 +16,7 @@
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
 #include "firmware/told/printer_code.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
 namespace {
@@ -300,8 +301,8 @@ bool PrinterDaemon::store_reports() {
   }
   if (stored->files > 0) {
     FixedText<120> text;
-    text.add("%zu file%s of the last prints are on the stick now, in plumbline-reports", stored->files,
-             stored->files == 1 ? "" : "s");
+    text.add("%zu file%s of the last prints %s on the stick now, in plumbline-reports", stored->files,
+             plural_s(stored->files), stored->files == 1 ? "is" : "are");
     observer_.tell(text.view(), {PrinterCode::kReportsOnStick, {{Fact::kCount, stored->files}}});
   }
   return stored->asked;

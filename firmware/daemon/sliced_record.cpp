@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/print/plan/print_plan.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
 
@@ -38,8 +39,9 @@ Expected<SlicedRecord> sliced_record(const PrintGrid& grid, const MaskExtent& ex
 
 FixedText<160> sliced_line(const SlicedRecord& sliced) {
   FixedText<160> text;
-  text.add("%.1f x %.1f x %.1f mm, %u layers, %.1f ml, %lld min", sliced.width_mm, sliced.depth_mm, sliced.height_mm,
-           sliced.layers, sliced.resin_ml, static_cast<long long>((sliced.time.count() + 59) / 60));
+  text.add("%.1f x %.1f x %.1f mm, %u layer%s, %.1f ml, %lld min", sliced.width_mm, sliced.depth_mm, sliced.height_mm,
+           sliced.layers, plural_s(sliced.layers), sliced.resin_ml,
+           static_cast<long long>((sliced.time.count() + 59) / 60));
   return text;
 }
 

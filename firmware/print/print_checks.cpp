@@ -3,6 +3,7 @@
 #include "firmware/print/layer_checks.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "slicer/core/numbers/mib.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
 namespace {
@@ -43,8 +44,8 @@ void PrintChecks::check_job(bool has_journal) {
   const ZPosition highest = machine_.stage.limits().highest;
   const bool on_plate = settings_.first_layer_pixels > 0;
   result(Check::kObject)
-      .detail.add("%u layers, %.2f mm, %s; the last lift ends at %.2f mm, the stage goes up to %.2f mm", plan.layers,
-                  height_of(plan, plan.layers - 1).above_film().millimetres(),
+      .detail.add("%u layer%s, %.2f mm, %s; the last lift ends at %.2f mm, the stage goes up to %.2f mm", plan.layers,
+                  plural_s(plan.layers), height_of(plan, plan.layers - 1).above_film().millimetres(),
                   on_plate ? "stands on the plate" : "nothing holds it because the first layer is empty",
                   top.above_film().millimetres(), highest.above_film().millimetres());
   result(Check::kObject).told = {on_plate ? PrinterCode::kCheckObject : PrinterCode::kCheckObjectHangs,

@@ -5,6 +5,7 @@
 
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
 namespace {
@@ -39,8 +40,8 @@ void add_doses(Text& text, const PrintReport& report) {
     const double off = line.dose / line.expected - 1;
     worst = std::abs(off) > std::abs(worst) ? off : worst;
   }
-  text.add("doses      %zu exposures, %s; the worst is %+.2f %% off\n", report.exposures.size(),
-           measured ? "measured" : "computed", 100 * worst);
+  text.add("doses      %zu exposure%s, %s; the worst is %+.2f %% off\n", report.exposures.size(),
+           plural_s(report.exposures.size()), measured ? "measured" : "computed", 100 * worst);
 }
 
 void add_masks(Text& text, const MaskFigures& masks) {
@@ -54,11 +55,11 @@ void add_masks(Text& text, const MaskFigures& masks) {
 
 void add_steps(Text& text, const StepFigures& steps) {
   text.add(
-      "stage      %llu steps, %llu late, the worst by %.2f ms; the motor stopped %llu times. Real-time priority: %s, "
+      "stage      %llu steps, %llu late, the worst by %.2f ms; the motor stopped %llu time%s. Real-time priority: %s, "
       "locked memory: %s\n",
       static_cast<unsigned long long>(steps.steps), static_cast<unsigned long long>(steps.late),
       milliseconds(steps.worst_lateness), static_cast<unsigned long long>(steps.standstills),
-      steps.real_time ? "yes" : "no", steps.memory_locked ? "yes" : "no");
+      plural_s(steps.standstills), steps.real_time ? "yes" : "no", steps.memory_locked ? "yes" : "no");
 }
 
 void add_print(Text& text, const PrintOutcome& outcome) {
@@ -72,7 +73,7 @@ void add_print(Text& text, const PrintOutcome& outcome) {
   add_fault(text, report);
   text.add("time       %s, %s estimated", duration_text(report.elapsed).c_str(),
            duration_text(report.estimated).c_str());
-  if (report.pauses > 0) text.add(", paused %u time%s", report.pauses, report.pauses == 1 ? "" : "s");
+  if (report.pauses > 0) text.add(", paused %u time%s", report.pauses, plural_s(report.pauses));
   text.add("\n");
   if (!outcome.session.supports().empty()) text.add("supports   %u\n", outcome.session.supports().tips());
   text.add("resin      %s ml", three_digits(report.resin_ml).c_str());
@@ -106,7 +107,7 @@ void add_part(Text& text, const PartFigures& part) {
 Status write_objections(OutputFile& out, std::span<const std::string> objections) {
   Text text;
   if (objections.empty()) return out.write(std::string_view("simulated  no objections\n"));
-  text.add("simulated  %zu objection%s:\n", objections.size(), objections.size() == 1 ? "" : "s");
+  text.add("simulated  %zu objection%s:\n", objections.size(), plural_s(objections.size()));
   PLUMBLINE_TRY(out.write(text.view()));
   for (const auto& objection : objections) {
     text.clear();

@@ -1,6 +1,7 @@
 #include "firmware/print/resume_check.hpp"
 
 #include "firmware/told/printer_code.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
 
@@ -32,8 +33,8 @@ FixedText<160> question_about(const JournalEntry& last) {
   if (last.next_layer == 0) {
     text.add("no layer is cured yet. Look at the plate: press start if it is bare, cancel if a part hangs on it");
   } else {
-    text.add("the part must be %.2f mm tall (%u layers). Measure it: press start if it is, cancel if it is taller",
-             last.height.above_film().millimetres(), last.next_layer);
+    text.add("the part must be %.2f mm tall (%u layer%s). Measure it: press start if it is, cancel if it is taller",
+             last.height.above_film().millimetres(), last.next_layer, plural_s(last.next_layer));
   }
   return text;
 }

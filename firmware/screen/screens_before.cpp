@@ -215,7 +215,7 @@ void draw_preview_screen(const Sheet& sheet) {
   rest = rest.from_row(line);
   ShortText facts;
   facts.add("%s ml · %s", mm(sliced.resin_ml).c_str(), duration(sliced.time).c_str());
-  const auto layers = filled_in(sheet.say(Words::kLayers), sliced.layers);
+  const auto layers = filled_in(sheet.say(sliced.layers == 1 ? Words::kOneLayer : Words::kLayers), sliced.layers);
   draw_pair(sheet, rest.top_rows(line), facts.view(), layers.view(), sheet.plain());
   rest = rest.from_row(line);
   if (record.finding_count == 0) {

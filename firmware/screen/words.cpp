@@ -57,6 +57,7 @@ constexpr std::array kTexts{
     Row{kStep, {"Step %u of %u", "Schritt %u von %u"}},
     Row{kNoPicture, {"no picture", "kein Bild"}},
     Row{kLayers, {"%u layers", "%u Schichten"}},
+    Row{kOneLayer, {"1 layer", "1 Schicht"}},
     Row{kNoFindings, {"✓ No issues found", "✓ Keine Hinweise"}},
     Row{kPartIsRaised,
         {"The part is being raised. Keep the cover closed.", "Das Teil wird angehoben. Haube geschlossen lassen."}},

@@ -48,6 +48,7 @@ enum class Words : std::uint8_t {
   kStep,
   kNoPicture,
   kLayers,
+  kOneLayer,
   kNoFindings,
   kPartIsRaised,
   kAskedToCancel,

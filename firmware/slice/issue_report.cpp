@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 
 #include "firmware/told/printer_code.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
 namespace {
@@ -30,7 +32,7 @@ void add_size(FixedText<256>& text, const Issue& issue, const IssueScale& scale)
         text.add(", up to %s mm2 in area", three_digits(scale.mm2(issue.pixels)).c_str());
       }
       break;
-    case IssueSize::kLayers: text.add("%u layer%s", issue.layers(), issue.layers() == 1 ? "" : "s"); break;
+    case IssueSize::kLayers: text.add("%u layer%s", issue.layers(), plural_s(issue.layers())); break;
   }
 }
 
@@ -51,6 +53,18 @@ void for_each_found(const StackFindings& findings, Visit visit) {
   for (std::size_t i = 0; i < kIssueKindCount; ++i) {
     if (findings.groups[i].count > 0) visit(static_cast<IssueKind>(i), findings.groups[i]);
   }
+}
+
+/// Numbers of the kinds that were found and that matter.
+template <class Matters>
+FixedText<160> counts_of(const StackFindings& findings, Matters matters) {
+  FixedText<160> text;
+  for_each_found(findings, [&](IssueKind kind, const IssueGroup& group) {
+    if (!matters(kind)) return;
+    const std::string_view name = group.count == 1 ? words_of(kind).one : words_of(kind).many;
+    text.add("%s%u %.*s", text.view().empty() ? "" : ", ", group.count, static_cast<int>(name.size()), name.data());
+  });
+  return text;
 }
 
 void write_issue(JsonWriter& json, const Issue& issue, const IssueScale& scale) {
@@ -150,16 +164,17 @@ Told told_issue(IssueKind kind, const StackFindings& findings, const PrintGrid& 
 }
 
 FixedText<160> issue_counts(const StackFindings& findings) {
-  FixedText<160> text;
-  for_each_found(findings, [&](IssueKind kind, const IssueGroup& group) {
-    const std::string_view name = group.count == 1 ? words_of(kind).one : words_of(kind).many;
-    text.add("%s%u %.*s", text.view().empty() ? "" : ", ", group.count, static_cast<int>(name.size()), name.data());
-  });
+  auto text = counts_of(findings, [](IssueKind) { return true; });
   if (findings.unchecked_layers > 0) {
-    text.add("%s%u layers too fine to check", text.view().empty() ? "" : ", ", findings.unchecked_layers);
+    text.add("%s%u layer%s too fine to check", text.view().empty() ? "" : ", ", findings.unchecked_layers,
+             plural_s(findings.unchecked_layers));
   }
   if (text.view().empty()) text.add("no issues");
   return text;
+}
+
+FixedText<160> issue_counts(const StackFindings& findings, const CheckPolicy& policy, CheckAction action) {
+  return counts_of(findings, [&](IssueKind kind) { return policy.of(kind) == action; });
 }
 
 void for_each_issue(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy, IssueVisit visit) {
@@ -182,25 +197,24 @@ CheckAction verdict(const StackFindings& findings, const CheckPolicy& policy) {
 Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy) {
   const CheckAction action = verdict(findings, policy);
   if (action < CheckAction::kAsk) return {};
-  Status status;
+  std::optional<IssueKind> first;
   for_each_found(findings, [&](IssueKind kind, const IssueGroup&) {
-    if (policy.of(kind) != action || !status) return;
-    const auto sentence = issue_sentence(kind, findings, grid);
-    const std::string_view advice = words_of(kind).advice;
-    const std::string_view key = words_of(kind).key;
-    const int capital = std::toupper(static_cast<unsigned char>(advice[0]));
-    const Told told = told_issue(kind, findings, grid);
-    if (action == CheckAction::kAsk) {
-      status = telling(told, fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it with --accept", sentence.c_str(),
-                                  capital, static_cast<int>(advice.size()) - 1, advice.data() + 1));
-    } else {
-      status =
-          telling(told, fail(ErrorCode::kBadSetting, "%s, which the profile refuses.\t%c%.*s, or set %.*s in [checks]",
-                             sentence.c_str(), capital, static_cast<int>(advice.size()) - 1, advice.data() + 1,
-                             static_cast<int>(key.size()), key.data()));
-    }
+    if (!first && policy.of(kind) == action) first = kind;
   });
-  return status;
+  auto found = issue_sentence(*first, findings, grid);
+  const auto others = counts_of(findings, [&](IssueKind kind) { return kind != *first && policy.of(kind) == action; });
+  if (!others.view().empty()) found.add("; also %s", others.c_str());
+  const std::string_view advice = words_of(*first).advice;
+  const std::string_view key = words_of(*first).key;
+  const int capital = std::toupper(static_cast<unsigned char>(advice[0]));
+  const Told told = told_issue(*first, findings, grid);
+  if (action == CheckAction::kAsk) {
+    return telling(told, fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it with --accept", found.c_str(), capital,
+                              static_cast<int>(advice.size()) - 1, advice.data() + 1));
+  }
+  return telling(told, fail(ErrorCode::kBadSetting, "%s, which the profile refuses.\t%c%.*s, or set %.*s in [checks]",
+                            found.c_str(), capital, static_cast<int>(advice.size()) - 1, advice.data() + 1,
+                            static_cast<int>(key.size()), key.data()));
 }
 
 void write_issues(JsonWriter& json, const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy) {

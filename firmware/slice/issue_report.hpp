@@ -29,6 +29,8 @@ Told told_issue(IssueKind kind, const StackFindings& findings, const PrintGrid& 
 
 /// "2 islands, 1 resin trap", "no issues".
 FixedText<160> issue_counts(const StackFindings& findings);
+/// Only the kinds for which `policy` has `action`; empty: there are none.
+FixedText<160> issue_counts(const StackFindings& findings, const CheckPolicy& policy, CheckAction action);
 
 using IssueVisit = FunctionRef<void(IssueKind kind, CheckAction action, std::string_view sentence)>;
 /// Calls visit() for each kind that was found and is not ignored: the sentence, a colon and the advice.
@@ -37,7 +39,8 @@ void for_each_issue(const StackFindings& findings, const PrintGrid& grid, const 
 /// The strictest action for what was found.
 CheckAction verdict(const StackFindings& findings, const CheckPolicy& policy);
 
-/// @retval ErrorCode::kBadSetting  something must not be printed, or must be accepted first; the message says what was found
+/// @retval ErrorCode::kBadSetting  something must not be printed, or must be accepted first; the message says what was found: the first of the
+///                                 strictest kinds with size and place, and how many of the others
 [[nodiscard]] Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy);
 
 /// Writes the findings as the member "issues"; firmware/README.md explains it.

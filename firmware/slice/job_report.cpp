@@ -5,6 +5,7 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/told/printer_code.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
 namespace {
@@ -139,8 +140,8 @@ FixedText<96> scanned_text(const Unseen& unseen) {
 FixedText<96> size_text(const Placement& placement) {
   FixedText<96> text;
   const Vec3d& size = placement.size_mm;
-  text.add("%.2f x %.2f x %.2f mm, %u layers of %.4g mm", size[0], size[1], size[2], placement.grid.layers,
-           static_cast<double>(placement.grid.layer_height_mm));
+  text.add("%.2f x %.2f x %.2f mm, %u layer%s of %.4g mm", size[0], size[1], size[2], placement.grid.layers,
+           plural_s(placement.grid.layers), static_cast<double>(placement.grid.layer_height_mm));
   return text;
 }
 
@@ -149,9 +150,9 @@ FixedText<256> stray_warning(const StrayPieces& strays) {
   if (strays.pieces == 0) return text;
   const bool one = strays.pieces == 1;
   text.add(
-      "%u stray piece%s left out: %u points apart from the object, %.2g %% of the scan's surface. --keep-all keeps %s",
-      strays.pieces, one ? " was" : "s were", strays.points, 100 * static_cast<double>(strays.share),
-      one ? "it" : "them");
+      "%u stray piece%s left out: %u point%s apart from the object, %.2g %% of the scan's surface. --keep-all keeps %s",
+      strays.pieces, one ? " was" : "s were", strays.points, plural_s(strays.points),
+      100 * static_cast<double>(strays.share), one ? "it" : "them");
   return text;
 }
 
@@ -207,8 +208,8 @@ Told told_turned(const NormalCounts& normals, std::uint32_t points) {
 void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
   FixedText<256> text;
   if (mesh.not_finite > 0) {
-    text.add("%llu of the mesh's %llu triangles have a coordinate that is not finite or huge, and were left out",
-             big(mesh.not_finite), big(mesh.not_finite + mesh.triangles));
+    text.add("%llu of the mesh's %llu triangles %s left out: a coordinate is not finite, or huge", big(mesh.not_finite),
+             big(mesh.not_finite + mesh.triangles), mesh.not_finite == 1 ? "was" : "were");
     visit({PrinterCode::kTrianglesLeftOut,
            {{Fact::kCount, mesh.not_finite}, {Fact::kOf, mesh.not_finite + mesh.triangles}}},
           text.view());
@@ -226,16 +227,17 @@ void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
     const std::uint64_t rays = mesh.turned ? mesh.rays : std::max(mesh.rays, mesh.decided_rays);
     const std::uint64_t odd = mesh.turned ? mesh.broken_rays : mesh.decided_rays;
     text.add(mesh.turned
-                 ? "some of the mesh's faces are turned over: %llu of %llu rays were decided without their direction"
+                 ? "some of the mesh's faces are turned over: %llu of %llu rays %s decided without their direction"
                  : "the mesh is not closed (holes, or faces that are flipped, doubled or missing): %llu of %llu rays "
-                   "were decided by its winding number. Look at the preview",
-             big(odd), big(rays));
+                   "%s decided by its winding number. Look at the preview",
+             big(odd), big(rays), odd == 1 ? "was" : "were");
     visit({mesh.turned ? PrinterCode::kFacesTurned : PrinterCode::kMeshOpen, {{Fact::kCount, odd}, {Fact::kOf, rays}}},
           text.view());
   }
   if (mesh.crowded_rays > 0) {
     text = {};
-    text.add("%llu rays have more than 254 crossings, of which the upper ones were left out", big(mesh.crowded_rays));
+    text.add("%llu ray%s more than 254 crossings, of which the upper ones were left out", big(mesh.crowded_rays),
+             mesh.crowded_rays == 1 ? " has" : "s have");
     visit({PrinterCode::kRaysCrowded, {{Fact::kCount, mesh.crowded_rays}}}, text.view());
   }
 }
@@ -253,7 +255,7 @@ void remark_on_losses(const SliceReport& slice, RemarkVisit visit) {
                             static_cast<double>(grid.layer_height_mm) / 1000;
     const double share = 100 * removed / static_cast<double>(std::max<std::uint64_t>(c.voxels, 1));
     text.add(
-        "%u small solids (%.3g ml, %.2g %% of what stays) were removed, and may be parts of the object, such as thin "
+        "small solids were removed (%u, %.3g ml, %.2g %% of what stays) that may be parts of the object, such as thin "
         "walls. Look at the preview; scan more densely, or print it larger",
         c.dropped_solids, removed * voxel_ml, share);
     visit({PrinterCode::kMuchRemoved, {{Fact::kPercent, share}}}, text.view());
@@ -274,7 +276,7 @@ void remark_on_losses(const SliceReport& slice, RemarkVisit visit) {
 
 FixedText<128> mesh_text(const MeshCounts& mesh) {
   FixedText<128> text;
-  text.add("%llu triangles, %s", big(mesh.triangles),
+  text.add("%llu triangle%s, %s", big(mesh.triangles), plural_s(mesh.triangles),
            mesh.closed   ? "closed"
            : mesh.turned ? "closed, some faces turned over"
                          : "not closed");
@@ -340,8 +342,8 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
   }
   if (slice.normals.estimated > 0) {
     text = {};
-    text.add("%u points of the scan have no usable normal; normals were estimated from neighbouring points",
-             slice.normals.estimated);
+    text.add("%u point%s of the scan %s no usable normal, which was estimated from neighbouring points",
+             slice.normals.estimated, plural_s(slice.normals.estimated), slice.normals.estimated == 1 ? "has" : "have");
     visit({PrinterCode::kNormalsEstimated, {{Fact::kPoints, slice.normals.estimated}}}, text.view());
   }
 }
@@ -365,7 +367,8 @@ void find_warnings(JobReport& report) {
                    report.warnings.add().add("%.*s", static_cast<int>(sentence.size()), sentence.data());
                  });
   if (report.findings->unchecked_layers > 0) {
-    report.warnings.add().add("%u layers are too fine to check", report.findings->unchecked_layers);
+    report.warnings.add().add("%u layer%s too fine to check", report.findings->unchecked_layers,
+                              report.findings->unchecked_layers == 1 ? " is" : "s are");
   }
 }
 

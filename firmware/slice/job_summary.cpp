@@ -5,6 +5,7 @@
 
 #include "firmware/slice/job_archive.hpp"
 #include "slicer/core/numbers/mib.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
 namespace {
@@ -17,24 +18,28 @@ double percent(double part, double whole) { return whole > 0 ? 100 * part / whol
 void add_files(Text& text, std::span<const std::string> names, const ScanSummaries& scans) {
   if (names.size() < 2) return;
   for (std::size_t i = 0; i < std::min(names.size(), scans.count); ++i) {
-    text.add("           %.60s: %llu points\n", names[i].c_str(), big(scans.each[i].points));
+    text.add("           %.60s: %llu point%s\n", names[i].c_str(), big(scans.each[i].points),
+             plural_s(scans.each[i].points));
   }
 }
 
 void add_scan(Text& text, const JobReport& report) {
   const SliceReport& s = report.slice;
   if (s.mesh) {
-    text.add("mesh       %s: %llu faces, %s, %s %s\n", report.scan_name.c_str(), big(s.mesh->faces),
-             mesh_text(*s.mesh).c_str(), to_string(s.scan.header.format), s.scan.header.encoding);
+    text.add("mesh       %s: %llu face%s, %s, %s %s\n", report.scan_name.c_str(), big(s.mesh->faces),
+             plural_s(s.mesh->faces), mesh_text(*s.mesh).c_str(), to_string(s.scan.header.format),
+             s.scan.header.encoding);
     return;
   }
   text.add("scan       %s: %llu points, %s %s, %s\n", report.scan_name.c_str(), big(s.scan.points),
            to_string(s.scan.header.format), s.scan.header.encoding,
            s.scan.header.has_normals ? "with normals" : "without normals");
   add_files(text, report.scan_names, s.scans);
-  if (s.scan.not_finite > 0) text.add("           %llu points dropped: not finite\n", big(s.scan.not_finite));
+  if (s.scan.not_finite > 0)
+    text.add("           %llu point%s dropped: not finite\n", big(s.scan.not_finite), plural_s(s.scan.not_finite));
   if (s.scan.left_out > 0) {
-    text.add("           %llu points dropped: %s\n", big(s.scan.left_out), why_left_out(s.scan.header.format));
+    text.add("           %llu point%s dropped: %s\n", big(s.scan.left_out), plural_s(s.scan.left_out),
+             why_left_out(s.scan.header.format));
   }
   if (s.averaged_points > 0) {
     text.add("thinned    to %u points: one for each cell of %.3g mm (room for %u)\n", s.cloud_points,
@@ -56,8 +61,8 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
   }
   text.add("resin      %s ml", three_digits(report.volume_mm3() / 1000).c_str());
   if (report.supports.all() > 0) {
-    text.add(", %s ml of it in %u supports", three_digits(report.support_volume_mm3() / 1000).c_str(),
-             report.supports.all());
+    text.add(", %s ml of it in %u support%s", three_digits(report.support_volume_mm3() / 1000).c_str(),
+             report.supports.all(), plural_s(report.supports.all()));
   }
   text.add("\n");
   if (!print_time.empty()) {
@@ -129,9 +134,10 @@ void add_rays(Text& text, const JobReport& report) {
   }
   text.add("; %llu crossings\n", big(s.crossings));
   if (!s.components.counted) return;
-  text.add("components %u solid, %u cavities; removed %u small solids, filled %u small cavities (%llu voxels)\n",
-           s.components.solids, s.components.cavities, s.components.dropped_solids - s.components.floating_solids,
-           s.components.filled_cavities - s.components.sealed_cavities, big(s.components.changed_voxels));
+  text.add(
+      "components solid: %u, cavities: %u; small solids removed: %u, small cavities filled: %u; voxels changed: %llu\n",
+      s.components.solids, s.components.cavities, s.components.dropped_solids - s.components.floating_solids,
+      s.components.filled_cavities - s.components.sealed_cavities, big(s.components.changed_voxels));
 }
 
 void add_evidence(Text& text, const JobReport& report) {
@@ -150,15 +156,19 @@ void add_supports(Text& text, const JobReport& report) {
   text.add("supports   %u below islands, %u below overhangs; %u on the plate, %u on the object, %u on other supports\n",
            s.islands, s.overhangs, s.on_plate, s.on_object, s.on_supports);
   if (s.specks > 0) {
-    text.add("           left out: %u specks that a tip would cover, %.3f mm3 in all\n", s.specks, s.specks_mm3);
+    text.add("           left out: %u speck%s that a tip would cover, %.3f mm3 in all\n", s.specks, plural_s(s.specks),
+             s.specks_mm3);
   }
   if (s.all() == 0) return;
   text.add(
-      "           tips: %u light, %u medium, %u heavy; one carries at most %.1f mm2; %u braces, pillars free over %.1f "
+      "           tips: %u light, %u medium, %u heavy; one carries at most %.1f mm2; %u brace%s, pillars free over "
+      "%.1f "
       "mm "
       "at most\n",
-      s.light, s.medium, s.heavy, s.largest_load_mm2, s.braces, s.longest_free_mm);
-  if (s.close > 0) text.add("           %u of them are closer to the object's walls than asked\n", s.close);
+      s.light, s.medium, s.heavy, s.largest_load_mm2, s.braces, plural_s(s.braces), s.longest_free_mm);
+  if (s.close > 0)
+    text.add("           %u of them %s closer to the object's walls than asked\n", s.close,
+             s.close == 1 ? "is" : "are");
 }
 
 void add_stage(Text& text, std::string_view name, double seconds, std::size_t peak, std::size_t planned) {
@@ -196,8 +206,7 @@ Status write_summary(OutputFile& out, const JobReport& report, const char* outpu
   PLUMBLINE_TRY(out.write(text.view()));
   text.clear();
   add_stages(text, report);
-  text.add("took       %.2f s with %u thread%s\n", report.total_seconds, report.threads,
-           report.threads == 1 ? "" : "s");
+  text.add("took       %.2f s with %u thread%s\n", report.total_seconds, report.threads, plural_s(report.threads));
   if (!is_sl1_name(output)) text.add("manifest   %s/manifest.json\n", output);
   return out.write(text.view());
 }

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "slicer/core/numbers/degrees.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
 namespace {
@@ -204,11 +205,11 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
                                   PrintGrid::kMaxLayers * static_cast<double>(settings.layer_height_mm) / extent[2]});
     return fail(
         ErrorCode::kDoesNotFit,
-        "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layers of %.4g mm; the "
+        "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layer%s of %.4g mm; the "
         "limit is %u x %u pixels and %u layers.\tUse --scale %.4g or less, a coarser --pixel-pitch, or check --units",
         p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
-        static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide, PrintGrid::kMaxLayers,
-        rounded_down(most * kClear));
+        plural_s(p.grid.layers), static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide,
+        PrintGrid::kMaxSide, PrintGrid::kMaxLayers, rounded_down(most * kClear));
   }
   p.shift = Vec3d(margin * pitch, margin * pitch, 0) - low;
   return p;

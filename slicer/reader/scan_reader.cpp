@@ -56,7 +56,7 @@ Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<s
   summary.bytes = input.farthest();
   if (summary.points == 0 && summary.left_out > 0) {
     return input.fail(ErrorCode::kNoPoints,
-                      "no usable point: %llu are marked as invalid, %llu have a coordinate that is not finite;\texport "
+                      "no usable point (marked as invalid: %llu; with a coordinate that is not finite: %llu);\texport "
                       "the scan again",
                       static_cast<unsigned long long>(summary.left_out),
                       static_cast<unsigned long long>(summary.not_finite));
@@ -66,7 +66,7 @@ Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<s
   }
   if (summary.points == 0) {
     return input.fail(ErrorCode::kNoPoints,
-                      "no usable point: all of its %llu points have a coordinate that is not finite;\texport the scan "
+                      "no usable point: each has a coordinate that is not finite (%llu in all);\texport the scan "
                       "again",
                       static_cast<unsigned long long>(summary.not_finite));
   }

@@ -4,6 +4,7 @@
 
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/version.hpp"
+#include "slicer/core/words/plural.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
@@ -12,7 +13,7 @@ Status write_archive_report(OutputFile& out, const LayerArchive& archive, const 
                             const JobSetup& setup, const std::string& refusal) {
   const Sl1Settings& s = archive.settings();
   FixedText<2048> text;
-  text.add("print      %s: %u layers", PrintableText(name).c_str(), archive.layers());
+  text.add("print      %s: %u layer%s", PrintableText(name).c_str(), archive.layers(), plural_s(archive.layers()));
   if (s.layer_height_mm) {
     text.add(" of %.4g mm, %.2f mm high", *s.layer_height_mm, archive.layers() * *s.layer_height_mm);
   }
@@ -22,7 +23,7 @@ Status write_archive_report(OutputFile& out, const LayerArchive& archive, const 
   if (s.exposure_s) {
     text.add("exposure   %.4g s", *s.exposure_s);
     if (s.initial_exposure_s) text.add(", the first layers %.4g s", *s.initial_exposure_s);
-    if (s.faded_layers) text.add(", %u layers in between", *s.faded_layers);
+    if (s.faded_layers) text.add(", %u layer%s in between", *s.faded_layers, plural_s(*s.faded_layers));
     text.add("\n");
   }
   if (setup.board) {

@@ -11,6 +11,7 @@
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "slicer/core/numbers/mib.hpp"
+#include "slicer/core/words/plural.hpp"
 #include "slicer/plan/mesh_plan.hpp"
 #include "slicer/source_checks.hpp"
 
@@ -28,19 +29,23 @@ void add_scan(Text& text, const ScanOutlook& o) {
   if (o.scan.mesh) {
     text.add("mesh       %s: %s\n", o.scan_name.c_str(), mesh_text(*o.scan.mesh).c_str());
     if (o.scan.mesh->not_finite > 0) {
-      text.add("           %llu triangles that are not finite were left out\n", big(o.scan.mesh->not_finite));
+      text.add("           %llu triangle%s left out: not finite\n", big(o.scan.mesh->not_finite),
+               plural_s(o.scan.mesh->not_finite));
     }
     return;
   }
-  text.add("scan       %s: %llu points %s\n", o.scan_name.c_str(), big(scan.points),
+  text.add("scan       %s: %llu point%s %s\n", o.scan_name.c_str(), big(scan.points), plural_s(scan.points),
            scan.header.has_normals ? "with normals" : "without normals, which are estimated");
   for (std::size_t i = 0; o.scan_names.size() > 1 && i < std::min(o.scan_names.size(), o.scan.scans.count); ++i) {
-    text.add("           %.60s: %llu points, %s\n", o.scan_names[i].c_str(), big(o.scan.scans.each[i].points),
+    text.add("           %.60s: %llu point%s, %s\n", o.scan_names[i].c_str(), big(o.scan.scans.each[i].points),
+             plural_s(o.scan.scans.each[i].points),
              o.scan.scans.each[i].header.has_normals ? "with normals" : "without normals");
   }
-  if (scan.not_finite > 0) text.add("           %llu points that are not finite were left out\n", big(scan.not_finite));
+  if (scan.not_finite > 0)
+    text.add("           %llu point%s left out: not finite\n", big(scan.not_finite), plural_s(scan.not_finite));
   if (scan.left_out > 0) {
-    text.add("           %llu points were left out: %s\n", big(scan.left_out), why_left_out(scan.header.format));
+    text.add("           %llu point%s left out: %s\n", big(scan.left_out), plural_s(scan.left_out),
+             why_left_out(scan.header.format));
   }
   const auto turned = turned_warning(o.scan.normals, o.scan.cloud_points);
   if (!turned.view().empty()) text.add("           %s\n", turned.c_str());
@@ -117,7 +122,7 @@ void add_details(Text& text, const ScanOutlook& o) {
         "faces      %llu with %llu vertices; %llu of %llu rays of a coarse slice do not leave as often as they enter\n",
         big(o.scan.mesh->faces), big(o.scan.mesh->vertices), big(o.scan.mesh->broken_rays), big(o.scan.mesh->rays));
   }
-  if (scan.header.has_normals) text.add("normals    %llu have length zero\n", big(scan.without_normal));
+  if (scan.header.has_normals) text.add("normals    of length zero: %llu\n", big(scan.without_normal));
   const Vec3d size = o.scan.bounds.size();
   const Vec3d whole = o.scan.bounds_with_noise.size();
   text.add("extent     %.6g x %.6g x %.6g in the file's units, %.6g x %.6g x %.6g with outliers; 1 unit is 1 %s\n",
@@ -165,7 +170,7 @@ void add_plan(Text& text, const ScanOutlook& o) {
   FixedText<32> points;
   if (!s.mesh) points.add(" for %u points", o.plan->points);
   text.add("arena      %.1f of %.0f MiB%s with %u thread%s; by stage:\n", mib(o.plan->peak()), mib(o.arena_bytes),
-           points.c_str(), o.threads, o.threads == 1 ? "" : "s");
+           points.c_str(), o.threads, plural_s(o.threads));
   for (std::size_t i = 0; i < kStageCount; ++i) {
     if (o.plan->bytes[i] == 0) continue;
     const std::string_view name = to_string(static_cast<Stage>(i));

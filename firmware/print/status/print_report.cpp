@@ -4,6 +4,7 @@
 
 #include "firmware/told/printer_code.hpp"
 #include "slicer/core/numbers/median.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
 
@@ -94,7 +95,8 @@ void for_each_warning(const PrintReport& report, const std::function<void(const 
     say({PrinterCode::kStepsLost, {{PrinterFact::kOffMm, report.steps_lost.millimetres()}}});
   }
   if (report.exposures_left_out > 0) {
-    text.add("the report has no room for %u more exposures", report.exposures_left_out);
+    text.add("the report has no room for %u more exposure%s", report.exposures_left_out,
+             plural_s(report.exposures_left_out));
     say({PrinterCode::kReportFull, {{Fact::kCount, report.exposures_left_out}}});
   }
 }

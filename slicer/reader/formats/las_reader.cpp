@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "slicer/core/words/plural.hpp"
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/records/record.hpp"
 #include "slicer/reader/records/records_end.hpp"
@@ -127,9 +128,9 @@ class LasReader {
     }
     if (header_.record < kPointBytes[header_.format]) {
       return input_.fail(ErrorCode::kMalformed,
-                         "byte 105: points of %zu bytes, but format %u has at least %zu; the file is damaged.\tExport "
+                         "byte 105: points of %zu byte%s, but format %u has at least %zu; the file is damaged.\tExport "
                          "it again",
-                         header_.record, header_.format, kPointBytes[header_.format]);
+                         header_.record, plural_s(header_.record), header_.format, kPointBytes[header_.format]);
     }
     if (head_bytes_ < kHeadBytes || header_.points_at < head_bytes_) {
       return input_.fail(

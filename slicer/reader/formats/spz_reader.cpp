@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "slicer/core/words/plural.hpp"
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/formats/splats/splat_filter.hpp"
 #include "slicer/reader/stream/inflate_stream.hpp"
@@ -113,8 +114,8 @@ class SpzReader {
     const std::uint64_t least = position_ + 1 + kColours + kScales + rotation_bytes_;
     if (size && points_ * least > saturating_multiply(*size, InflateStream::kLargestRatio)) {
       return input_.fail(ErrorCode::kTruncated,
-                         "%llu bytes can't hold the %llu splats that the header declares;\tcopy or export it again",
-                         shown(*size), shown(points_));
+                         "%llu bytes can't hold the %llu splat%s that the header declares;\tcopy or export it again",
+                         shown(*size), shown(points_), plural_s(points_));
     }
     return {};
   }

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <limits>
 
+#include "slicer/core/words/plural.hpp"
 #include "slicer/reader/records/record_text.hpp"
 #include "slicer/reader/records/records_end.hpp"
 #include "slicer/reader/stream/line_input.hpp"
@@ -44,9 +45,10 @@ Status read_binary(ByteInput& input, TriangleBatch& batch) {
   const auto head = input.fill(kHead);
   PLUMBLINE_TRY(head);
   if (*head < kHead) {
-    return input.fail(ErrorCode::kTruncated,
-                      "the file has %zu bytes, a binary STL has 84 before its first triangle;\tcopy or export it again",
-                      *head);
+    return input.fail(
+        ErrorCode::kTruncated,
+        "the file has %zu byte%s, a binary STL has 84 before its first triangle;\tcopy or export it again", *head,
+        plural_s(*head));
   }
   std::uint64_t count = declared_triangles(input.begin());
   input.consume(kHead);

@@ -12,6 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 constexpr PrintGrid kGrid{
@@ -43,6 +44,9 @@ TEST(IssueReport, SaysSizePlaceLayersAndWhatToDo) {
                   "in layers 70 to 109 (3.50 to 5.50 mm): add supports, or turn the object"));
   EXPECT_EQ(issue_counts(some_findings()).view(), "2 islands, 1 piece that nothing holds");
   EXPECT_EQ(issue_counts({}).view(), "no issues");
+  StackFindings findings;
+  findings.unchecked_layers = 1;
+  EXPECT_EQ(issue_counts(findings).view(), "1 layer too fine to check");
 }
 
 TEST(IssueReport, SaysThatAllOfThePrintFallsInPlainDigits) {
@@ -81,6 +85,8 @@ TEST(IssueReport, IsSilentAboutWhatIsIgnored) {
   CheckPolicy policy;
   policy.of(IssueKind::kIsland) = CheckAction::kIgnore;
   EXPECT_THAT(sentences(some_findings(), policy), ElementsAre(StartsWith("1 piece")));
+  policy.of(IssueKind::kFreePiece) = CheckAction::kAsk;
+  EXPECT_EQ(issue_counts(some_findings(), policy, CheckAction::kAsk).view(), "1 piece that nothing holds");
 }
 
 TEST(IssueReport, TheStrictestActionCounts) {
@@ -102,7 +108,10 @@ TEST(IssueReport, TheStrictestActionCounts) {
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message(), HasSubstr("1 piece that nothing holds"));
   EXPECT_THAT(refused.error().message(), HasSubstr("set free_piece in [checks]"));
+  EXPECT_THAT(refused.error().message(), Not(HasSubstr("also")));
   policy.actions.fill(CheckAction::kRefuse);
+  EXPECT_THAT(judge(some_findings(), kGrid, policy).error().message(),
+              HasSubstr("(3.50 mm); also 1 piece that nothing holds, which the profile refuses"));
   EXPECT_TRUE(judge({}, kGrid, policy)) << "nothing was found";
 }
 

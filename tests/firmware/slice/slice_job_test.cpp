@@ -303,7 +303,7 @@ TEST(JobWarnings, SayHowMuchIsRemovedAsNoise) {
   find_warnings(*report);
   const auto lines = report->warnings.all();
   ASSERT_EQ(lines.size(), 2U);
-  EXPECT_THAT(lines[0].c_str(), HasSubstr("366 small solids (0.12 ml, 30 % of what stays) were removed"));
+  EXPECT_THAT(lines[0].c_str(), HasSubstr("small solids were removed (366, 0.12 ml, 30 % of what stays)"));
   EXPECT_THAT(lines[1].c_str(), HasSubstr("40 % of the points lie on no surface"));
   for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
 }

@@ -100,6 +100,8 @@ TEST(ToldWords, NumbersAreRoundedForPeopleAndOneIsNotMany) {
             "3 Inseln bis 113 mm² bei x 34,2, y 61,0, z 35,10 mm, Schicht 702. Stützen setzen oder drehen.");
   const Told one(PrinterCode::kIsland, {{Fact::kCount, 1}, {Fact::kAreaMm2, 1.4642}});
   EXPECT_EQ(in_german(one), "1 Insel von 1,46 mm². Stützen setzen oder drehen.");
+  EXPECT_EQ(in_german({PrinterCode::kNormalsEstimated, {{Fact::kPoints, 1}}}),
+            "1 Punkt ohne brauchbare Normale, sie ist aus den Nachbarn geschätzt");
   EXPECT_EQ(in_german({PrinterCode::kProfileUnknown, {}, "fine"}),
             "Ein Profil fine gibt es auf diesem Drucker nicht. Unter Einstellungen ein anderes wählen.");
 }

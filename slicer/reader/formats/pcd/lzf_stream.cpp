@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "slicer/core/words/plural.hpp"
+
 namespace plumbline {
 
 Expected<std::span<const char>> LzfStream::next() {
@@ -32,9 +34,9 @@ Status LzfStream::need(std::size_t bytes) {
   if (*ready < bytes) {
     return input_.fail(
         ErrorCode::kTruncated,
-        "the file ends at byte %llu, %llu bytes before its compressed block does;\tcopy or save it again",
+        "the file ends at byte %llu, %llu byte%s before its compressed block does;\tcopy or save it again",
         static_cast<unsigned long long>(input_.bytes_read()),
-        static_cast<unsigned long long>(compressed_left_ - *ready));
+        static_cast<unsigned long long>(compressed_left_ - *ready), plural_s(compressed_left_ - *ready));
   }
   return {};
 }
@@ -57,8 +59,8 @@ Status LzfStream::reference(unsigned control) {
       (std::size_t{control & 31U} << 8) + static_cast<unsigned char>(input_.begin()[extra - 1]) + 1;
   if (distance > end_) {
     return input_.fail(ErrorCode::kMalformed,
-                       "byte %llu: the compressed block refers to %zu bytes before its start;\tsave the file again",
-                       static_cast<unsigned long long>(input_.offset()), distance - end_);
+                       "byte %llu: the compressed block refers to %zu byte%s before its start;\tsave the file again",
+                       static_cast<unsigned long long>(input_.offset()), distance - end_, plural_s(distance - end_));
   }
   input_.consume(extra);
   compressed_left_ -= extra;

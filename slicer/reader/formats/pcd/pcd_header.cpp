@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 
+#include "slicer/core/words/plural.hpp"
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 
@@ -184,8 +185,9 @@ class HeaderParser {
     if (header_.points != area) {
       return lines_.input().fail(
           ErrorCode::kMalformed,
-          "the header declares %llu points, but WIDTH times HEIGHT is %llu; export the file again",
-          static_cast<unsigned long long>(header_.points), static_cast<unsigned long long>(area));
+          "the header declares %llu point%s, but WIDTH times HEIGHT is %llu; export the file again",
+          static_cast<unsigned long long>(header_.points), plural_s(header_.points),
+          static_cast<unsigned long long>(area));
     }
     if (header_.points == 0) {
       return lines_.input().fail(ErrorCode::kNoPoints, "the header declares 0 points: there is nothing to print");

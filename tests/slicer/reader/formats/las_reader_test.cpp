@@ -95,7 +95,7 @@ TEST(LasReader, LeavesOutWithheldPointsAndNoise) {
   for (auto& p : nothing.points) p.withheld = true;
   const auto reading = read(nothing.bytes(), "scan.las");
   EXPECT_EQ(reading.code(), ErrorCode::kNoPoints);
-  EXPECT_THAT(reading.message(), HasSubstr("2 are marked as invalid"));
+  EXPECT_THAT(reading.message(), HasSubstr("marked as invalid: 2"));
 }
 
 TEST(LasReader, RefusesLazAndSaysHowToExportIt) {

@@ -90,7 +90,7 @@ TEST(ObjReader, FindsNoPointsInAFileWithoutVertices) {
   EXPECT_EQ(read("o head\nf 1 2 3\n").code(), ErrorCode::kNoPoints);
   const auto nowhere = read("v inf nan +inf\nv 3 NaN -NaN\n");
   EXPECT_EQ(nowhere.code(), ErrorCode::kNoPoints);
-  EXPECT_THAT(nowhere.message(), HasSubstr("all of its 2 points"));
+  EXPECT_THAT(nowhere.message(), HasSubstr("(2 in all)"));
 }
 
 }  // namespace obj_reader_test
