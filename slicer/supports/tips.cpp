@@ -24,6 +24,9 @@ constexpr double kPixelsPerTip = 64;
 constexpr double kDenseIsland = 12;
 constexpr double kPi = 3.14159265358979324;
 constexpr double kAreaPerTip = 1;  ///< mm2; on an overhang they share, tips are a few times rarer
+constexpr double kMostTips = 16384;
+/// mm2: of panels so large that kMostTips would be fewer. The default of area_per_tip.
+constexpr double kLargeAreaPerTip = 4;
 
 /// Where to put the tip for the first pixel, in reading order, that needs one: in later rows or to the side, so that the tip
 /// holds pixels all around it. Offsets and shares are in 64ths of the reach; the fallback is the pixel itself.
@@ -408,7 +411,8 @@ Expected<FoundTips> find_tips(const RRep& rrep, std::uint32_t lifted, const Supp
 std::uint32_t most_tips(const PrintGrid& grid) {
   const double pixels = static_cast<double>(grid.columns) * grid.rows;
   const double area = pixels * static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm);
-  return static_cast<std::uint32_t>(std::clamp(std::max(pixels / kPixelsPerTip, area / kAreaPerTip), 256.0, 16384.0));
+  const double most = std::max(kMostTips, area / kLargeAreaPerTip);
+  return static_cast<std::uint32_t>(std::clamp(std::max(pixels / kPixelsPerTip, area / kAreaPerTip), 256.0, most));
 }
 
 std::size_t find_tips_bytes(const PrintGrid& grid, const Window& window) {

@@ -12,17 +12,22 @@ namespace {
 constexpr std::uint32_t kMostNarrow = 31;
 constexpr std::uint32_t kMiddle = 32;
 
-/// Draws the rows of a disc, the one in the middle first, then those above and below it.
-/// @param middle    the words of the disc's middle row
-/// @param draw_row  draw_row(i, row) for the i-th row from the middle
-template <class DrawRow>
-void for_each_row(std::uint64_t* middle, std::size_t stride, std::size_t rows, DrawRow draw_row) {
-  draw_row(0, middle);
+/// Draws the rows of a disc: those at the same distance above and below its middle row with the same words, made once.
+/// @param middle     the words of the disc's middle row
+/// @param words_of   words_of(i, draw) calls draw(word, bits) for the words of the i-th row from the middle
+/// @param ink        as in draw_struts()
+template <class WordsOf, class Ink>
+void draw_rows(std::uint64_t* middle, std::size_t stride, std::size_t rows, WordsOf words_of, Ink ink) {
+  words_of(0, [&](std::size_t w, std::uint64_t bits) { ink(middle[w], bits); });
   std::uint64_t* above = middle;
   std::uint64_t* below = middle;
   for (std::size_t i = 1; i < rows; ++i) {
-    draw_row(i, above -= stride);
-    draw_row(i, below += stride);
+    above -= stride;
+    below += stride;
+    words_of(i, [&](std::size_t w, std::uint64_t bits) {
+      ink(above[w], bits);
+      ink(below[w], bits);
+    });
   }
 }
 
@@ -112,23 +117,27 @@ void SupportPainter::draw_disc(const StrutSection& disc, BitImage image, BitImag
   }
   const std::uint32_t first = (column - reach) / 64;
   const std::uint32_t last = (column + reach) / 64;
-  const auto draw_rows = [&](auto draw_row) {
-    for_each_row(&image.row(disc.row)[first], image.stride(), rows->count + 1, draw_row);
-  };
+  std::uint64_t* const middle = &image.row(disc.row)[first];
+  const std::size_t count = rows->count + 1;
   if (reach > kMostNarrow) {
-    const std::uint32_t middle = column - first * 64;
-    draw_rows([&, middle](std::size_t i, std::uint64_t* row) {
-      for_each_word(middle - rows->reach[i], middle + rows->reach[i] + 1,
-                    [&](std::uint32_t w, std::uint64_t bits) { ink(row[w], bits); });
-    });
+    const std::uint32_t at = column - first * 64;
+    draw_rows(
+        middle, image.stride(), count,
+        [=](std::size_t i, auto draw) { for_each_word(at - rows->reach[i], at + rows->reach[i] + 1, draw); }, ink);
   } else if (const auto shift = static_cast<int>(column - kMiddle) % 64; first == last) {
-    draw_rows([&, shift](std::size_t i, std::uint64_t* row) { ink(row[0], std::rotl(rows->narrow[i], shift)); });
+    draw_rows(
+        middle, image.stride(), count, [=](std::size_t i, auto draw) { draw(0, std::rotl(rows->narrow[i], shift)); },
+        ink);
   } else {
     // Bit 0 of a narrow row lies in the first word, at bit `shift` of it, which is not 0.
-    draw_rows([&, shift](std::size_t i, std::uint64_t* row) {
-      ink(row[0], rows->narrow[i] << shift);
-      ink(row[1], rows->narrow[i] >> (64 - shift));
-    });
+    draw_rows(
+        middle, image.stride(), count,
+        [=](std::size_t i, auto draw) {
+          const std::uint64_t bits = rows->narrow[i];
+          draw(0, bits << shift);
+          draw(1, bits >> (64 - shift));
+        },
+        ink);
   }
   for_each_word(disc.row - rows->count, disc.row + rows->count + 1, [&](std::uint32_t w, std::uint64_t bits) {
     for (std::uint32_t s = (column - reach) / kStripColumns; s <= (column + reach) / kStripColumns; ++s) {

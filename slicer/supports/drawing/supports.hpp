@@ -46,6 +46,8 @@ struct StrutSection {
 /// The section at a layer's middle; of a lying strut the one round its lower end.
 /// @param layer  that `strut` is in
 inline StrutSection section_of(const Strut& strut, std::uint32_t layer) {
+  const bool is_upright = strut.column0 == strut.column1 && strut.row0 == strut.row1 && strut.radius0 == strut.radius1;
+  if (is_upright) return {strut.column0, strut.row0, 1000 * std::int64_t{strut.radius0}};
   const std::int64_t way = 2 * std::int64_t{layer - strut.first} + 1;
   const std::int64_t whole = 2 * std::int64_t{strut.end - strut.first};
   const auto between = [&](std::int64_t from, std::int64_t to) {  // rounded to the nearest, both ends alike

@@ -444,6 +444,13 @@ TEST(Supports, HaveRoomOnCoarsePixels) {
   EXPECT_EQ(supports.tips(), 400U);
 }
 
+TEST(Supports, HaveRoomOnPanelsOfAnySize) {
+  // 2K, and 400 mm square: a tip for each 4 mm2, as many as a flat underside of that size takes.
+  EXPECT_EQ(most_tips({.columns = 1440, .rows = 2560, .layers = 1, .pitch_x_mm = 0.04725F, .pitch_y_mm = 0.04725F}),
+            16384U);
+  EXPECT_EQ(most_tips({.columns = 4000, .rows = 4000, .layers = 1, .pitch_x_mm = 0.1F, .pitch_y_mm = 0.1F}), 40'000U);
+}
+
 TEST(Supports, StopWhenAsked) {
   StopAtThird stop;
   Solid solid(cubic_grid(kSide, 48), ball(32, 32, 27, 20));
