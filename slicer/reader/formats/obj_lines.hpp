@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "slicer/reader/records/record_text.hpp"
 #include "slicer/reader/stream/line_input.hpp"
 #include "slicer/reader/stream/words.hpp"
 
@@ -34,6 +35,7 @@ class ObjLines {
         split();
         return true;
       }
+      if (keyword_.find('\0') != std::string_view::npos && !line_.unterminated) return fail_zeros(lines_);
       // Comments are not continued: "# C:\scans\" would swallow the vertex on the next line.
       if (keyword_.empty() || keyword_.front() != '#') PLUMBLINE_TRY(skip_continuation());
     }

@@ -19,6 +19,9 @@ constexpr std::size_t kPosition = 9;      ///< bytes of a splat: three integers 
 constexpr std::size_t kHalfPosition = 6;  ///< of version 1: three floats of 16 bits
 constexpr std::size_t kScales = 3;
 constexpr std::size_t kColours = 3;
+/// Bytes of the colours that depend on the view, by their degree.
+constexpr std::array<std::uint64_t, 5> kHarmonics = {0, 9, 24, 45, 72};
+constexpr unsigned kHasExtensions = 2;  ///< flag: more follows the splats
 /// Faintest opacity that is kept, of 255; the logit is not needed.
 constexpr unsigned kFaintestByte = 77;
 
@@ -72,7 +75,9 @@ class SpzReader {
     PLUMBLINE_TRY(fill(*opacities));
     PLUMBLINE_TRY(skip(points_ * kColours));
     PLUMBLINE_TRY(fill(*scales));
-    return deliver(*positions, *opacities, *scales);
+    PLUMBLINE_TRY(deliver(*positions, *opacities, *scales));
+    PLUMBLINE_TRY(skip(points_ * kHarmonics[degree_]));
+    return has_extensions_ ? Status() : check_end_of_columns();
   }
 
  private:
@@ -109,15 +114,38 @@ class SpzReader {
     unit_ = 1.0 / static_cast<double>(1U << fraction_bits);
     rotation_bytes_ = version_ == 3 ? 4 : 3;
     position_ = version_ == 1 ? kHalfPosition : kPosition;
+    degree_ = byte_at(head, 12);
+    if (degree_ >= kHarmonics.size()) {
+      return input_.fail(ErrorCode::kMalformed,
+                         "colours of degree %u, where 4 is the highest; the file is damaged.\tExport it again",
+                         degree_);
+    }
+    has_extensions_ = (byte_at(head, 14) & kHasExtensions) != 0;
     // Not even the best compression makes so many splats from so few bytes.
     const auto size = input_.size();
-    const std::uint64_t least = position_ + 1 + kColours + kScales + rotation_bytes_;
-    if (size && points_ * least > saturating_multiply(*size, InflateStream::kLargestRatio)) {
+    if (size && points_ * splat_bytes() > saturating_multiply(*size, InflateStream::kLargestRatio)) {
       return input_.fail(ErrorCode::kTruncated,
                          "%llu bytes can't hold the %llu splat%s that the header declares;\tcopy or export it again",
                          shown(*size), shown(points_), plural_s(points_));
     }
     return {};
+  }
+
+  std::uint64_t splat_bytes() const { return position_ + 1 + kColours + kScales + rotation_bytes_; }
+
+  /// With more splats than the header declares, the bytes of one column would be read as the next one.
+  Status check_end_of_columns() {
+    for (std::uint64_t left = 0;;) {
+      const auto piece = stream_.next(splat_bytes());
+      PLUMBLINE_TRY(piece);
+      if (piece->empty()) return {};
+      left += piece->size();
+      if (left >= splat_bytes()) {
+        return input_.fail(ErrorCode::kMalformed,
+                           "its header declares %llu splats, but the data has more;\texport the file again",
+                           shown(points_));
+      }
+    }
   }
 
   template <class Use>
@@ -219,6 +247,8 @@ class SpzReader {
   unsigned version_ = 0;
   std::uint64_t points_ = 0;
   double unit_ = 1;
+  unsigned degree_ = 0;  ///< of colours
+  bool has_extensions_ = false;
   std::size_t rotation_bytes_ = 0;
   std::size_t position_ = kPosition;  ///< bytes of x, y and z
 };

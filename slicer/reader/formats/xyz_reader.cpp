@@ -28,8 +28,20 @@ bool is_excel_line(std::string_view text) {
   return text.size() == kSep.size() + 1 && same_word(text.substr(0, kSep.size()), kSep);
 }
 
+/// A row whose first cell is empty: ";2;3". A comment that begins with a semicolon has words, or no second semicolon.
+bool lacks_first_cell(std::string_view text) {
+  if (text.find(';', 1) == std::string_view::npos) return false;
+  std::size_t numbers = 0;
+  LineWords words(text, kBetween);
+  for (auto word = words.next(); !word.empty(); word = words.next(), ++numbers) {
+    double value = 0;
+    if (parse_real(word.data(), word.data() + word.size(), value) != word.data() + word.size()) return false;
+  }
+  return numbers > 1;
+}
+
 bool is_comment(std::string_view text) {
-  return text.starts_with('#') || text.starts_with("//") || text.starts_with(';');
+  return text.starts_with('#') || text.starts_with("//") || (text.starts_with(';') && !lacks_first_cell(text));
 }
 
 std::string_view without_indent(std::string_view text) {

@@ -68,6 +68,12 @@ RowOutcome parse_row(std::string_view text, const RecordLayout& layout, const Se
   return {};
 }
 
+tl::unexpected<Error> fail_zeros(const LineInput& lines) {
+  return lines.input().fail(ErrorCode::kMalformed,
+                            "line %llu: has bytes that are zero: the file is damaged;\tcopy or export it again",
+                            static_cast<unsigned long long>(lines.number()));
+}
+
 tl::unexpected<Error> fail_row(const LineInput& lines, const Line& line, const RowOutcome& outcome) {
   const ByteInput& input = lines.input();
   const auto number = static_cast<unsigned long long>(lines.number());

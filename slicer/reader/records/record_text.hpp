@@ -25,6 +25,8 @@ struct RowOutcome {
 /// The error for a row that is not whole. kTruncated if the file ended before the line did.
 /// @param line  as from LineInput, or with `text` joined from several lines
 tl::unexpected<Error> fail_row(const LineInput& lines, const Line& line, const RowOutcome& outcome);
+/// The last line has bytes that are zero, as a failing stick or a broken copy leaves them.
+tl::unexpected<Error> fail_zeros(const LineInput& lines);
 
 /// Reads `count` rows as points, ignoring empty lines.
 /// @retval ErrorCode::kTruncated, kMalformed

@@ -108,9 +108,7 @@ class AsciiReader {
     }
     // What a failing stick or a broken copy leaves: words that are lost would be facets that are missing.
     if (open_ && line.text.find('\0') != std::string_view::npos) {
-      return lines_.input().fail(ErrorCode::kMalformed,
-                                 "line %llu: has bytes that are zero: the file is damaged;\tcopy or export it again",
-                                 number());
+      return fail_zeros(lines_);
     }
     LineWords words(line.text);
     for (auto keyword = words.next(); !keyword.empty(); keyword = words.next()) {
@@ -118,7 +116,8 @@ class AsciiReader {
       if (same_word(keyword, "vertex")) {
         PLUMBLINE_TRY(add_corner(line, words));
       } else if (same_word(keyword, "facet") || same_word(keyword, "endfacet") || same_word(keyword, "endsolid")) {
-        PLUMBLINE_TRY(end_facet());
+        PLUMBLINE_TRY(end_facet(in_facet_ || same_word(keyword, "endfacet")));
+        in_facet_ = same_word(keyword, "facet");
         open_ = !same_word(keyword, "endsolid");
         if (!open_) return {};
       }
@@ -154,8 +153,9 @@ class AsciiReader {
     return {};
   }
 
-  Status end_facet() {
-    if (corners_ == 0) return {};
+  /// @param begun  without corners, lines of the facet are lost
+  Status end_facet(bool begun) {
+    if (corners_ == 0 && !begun) return {};
     if (corners_ < 3) {
       return lines_.input().fail(ErrorCode::kMalformed,
                                  "line %llu: a facet has %zu corners, not three;\texport the file again", number(),
@@ -170,6 +170,7 @@ class AsciiReader {
   TriangleBatch& batch_;
   Triangle triangle_;
   std::size_t corners_ = 0;
+  bool in_facet_ = false;
   bool open_ = true;  ///< no 'endsolid' since the last facet
 };
 

@@ -131,6 +131,9 @@ TEST(SplatReader, SaysWhatIsWrongWithAnSpz) {
   EXPECT_THAT(with(8, little(0U)).message(), HasSubstr("no splats"));
   EXPECT_THAT(with(8, little(~0U)).message(), HasSubstr("can't hold the 4294967295 splats"));
   EXPECT_THAT(with(8, little(200U)).message(), HasSubstr("too short for the 200 splats"));
+  EXPECT_THAT(with(8, little(6U)).message(), HasSubstr("declares 6 splats, but the data has more"));
+  EXPECT_THAT(with(12, little(std::uint8_t{5})).message(), HasSubstr("colours of degree 5"));
+  EXPECT_EQ(with(12, little(std::uint8_t{3})).code(), ErrorCode::kTruncated);
   EXPECT_THAT(with(13, little(std::uint8_t{25})).message(), HasSubstr("25 after the point"));
   EXPECT_THAT(read("NGSP\4\0\0\0 and more", "a.spz").message(), HasSubstr("SPZ of version 4 or later"));
   auto damaged = gzip(plain);

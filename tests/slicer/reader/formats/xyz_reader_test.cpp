@@ -124,6 +124,8 @@ TEST(XyzReader, RefusesAnEmptyCellBeforeTheLastCoordinate) {
   for (const auto& [file, place] : {std::pair("1,2,3,4\n5,,7,8\n"s, "line 2: column 2 is empty in '5,,7,8'"),
                                     std::pair("1;2;3;4\n5;6;;8\n"s, "line 2: column 3 is empty in '5;6;;8'"),
                                     std::pair("1,2,3,4\n,6,7,8\n"s, "line 2: column 1 is empty in ',6,7,8'"),
+                                    std::pair("1;2;3;4\n;6;7;8\n"s, "line 2: column 1 is empty in ';6;7;8'"),
+                                    std::pair(";2,5;3,5;4\n5;6;7;8\n"s, "line 1: column 1 is empty in"),
                                     std::pair("id,x,y,z,r\n1,2,3,,5\n"s, "line 2: column 4 is empty in '1,2,3,,5'"),
                                     std::pair("1,2,3,4\n5, ,7,8\n"s, "line 2: column 2 is empty in '5, ,7,8'"),
                                     std::pair(many + "5,,7,8\n", "line 101: column 2 is empty in '5,,7,8'")}) {
@@ -134,6 +136,7 @@ TEST(XyzReader, RefusesAnEmptyCellBeforeTheLastCoordinate) {
   expect_points(read("1,2,3,,7,,\n-4,5.5,60,,7,,\n"), kTwo, false);
   expect_points(read("1,2,3,4\n# a,,b\n-4,5.5,60,4\n"), kTwo, false);
   expect_points(read("1,2,3,\n-4,5.5,60,\n"), kTwo, false);
+  expect_points(read("1;2;3\n; 4 points; made by hand\n;4\n;;\n-4;5.5;60\n"), kTwo, false);
 }
 
 TEST(XyzReader, RefusesANumberOfThePointAsItsCoordinate) {
