@@ -80,7 +80,6 @@ enum class PrinterCode : std::uint16_t {
   kStickEmpty,
   kStickTwoJobs,
   kStickOtherJob,
-  kStickForeign,
   kTooManyFiles,
   kArchiveSettings,
   kSettingUnknown,

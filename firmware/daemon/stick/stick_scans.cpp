@@ -17,6 +17,12 @@
 namespace plumbline {
 namespace {
 
+Error about_foreign(std::string_view name, const ForeignFormat& format) {
+  return Error::format(ErrorCode::kUnknownFormat, "%s %s (%s);\t%s", PrintableText(name).c_str(), format.kind.what,
+                       format.program, format.kind.advice)
+      .tell({format.kind.code, {}, name});
+}
+
 /// Collects scans and job.toml. Anything that may have been meant as one of them is an error, never skipped: without its
 /// job.toml a scan would be printed at the wrong size.
 struct StickListing final : StickMount::FileVisitor {
@@ -37,11 +43,7 @@ struct StickListing final : StickMount::FileVisitor {
                         length, name.data())
               .tell({PrinterCode::kStickOtherJob, {}, name});
     } else if (const ForeignFormat* const foreign = foreign_format(name)) {
-      if (!scans.foreign) {
-        scans.foreign = Error::format(ErrorCode::kUnknownFormat, "%s %s (%s);\t%s", PrintableText(name).c_str(),
-                                      foreign->kind.what, foreign->program, foreign->kind.advice)
-                            .tell({PrinterCode::kStickForeign, {}, name});
-      }
+      if (!scans.foreign) scans.foreign = about_foreign(name, *foreign);
     } else if (is_scan_name(name)) {
       if (scans.count == StickScans::kMost) {
         ++scans.left_out;
@@ -78,10 +80,14 @@ struct StickListing final : StickMount::FileVisitor {
 struct FolderListing final : StickMount::FileVisitor {
   void on_file(std::string_view name, std::uint64_t bytes) override {
     if (is_scan_file_name(name) && ++count <= StickScans::kMost) files.emplace(name, bytes);
+    if (foreign_format(name) != nullptr && (foreign.empty() || name < foreign)) foreign = name;
   }
+  void on_folder(std::string_view name) override { folders.emplace(name); }
   void on_other(std::string_view /*name*/, const char* /*what*/) override {}
 
   std::map<std::string, std::uint64_t> files;
+  std::set<std::string> folders;
+  std::string foreign;  ///< a file of another kind
   std::size_t count = 0;
 };
 
@@ -103,18 +109,29 @@ void add_series(StickScans& scans, const std::map<std::string, std::uint64_t>& f
   }
 }
 
-/// Finds series in the top folder and in those below it. One that may lack files, since a folder has too many, is none.
-Status find_all_series(StickScans& scans, const std::set<std::string>& folders, const StickMount& mount) {
+/// Finds series in the top folder and in two levels below it. One that may lack files, since a folder has too many, is none.
+Status find_all_series(StickScans& scans, std::set<std::string> folders, const StickMount& mount) {
   if (scans.left_out == 0) {
     std::map<std::string, std::uint64_t> files;
     for (std::size_t i = 0; i < scans.count; ++i) files.emplace(scans.list[i].name.view(), scans.list[i].bytes);
     add_series(scans, files, "");
   }
+  std::string foreign;
   for (const std::string& folder : folders) {
     FolderListing listing;
     const auto listed = mount.for_each_file(listing, folder);
     if (!listed && listed.error().code() != ErrorCode::kCannotRead) return listed;
-    if (listed && listing.count == listing.files.size()) add_series(scans, listing.files, folder + "/");
+    if (!listed) continue;
+    if (listing.count == listing.files.size()) add_series(scans, listing.files, folder + "/");
+    if (foreign.empty() && !listing.foreign.empty()) foreign = folder + "/" + listing.foreign;
+    if (folder.find('/') != std::string::npos) continue;
+    for (const std::string& inner : listing.folders) {
+      if (folders.size() < StickScans::kMostFoldersOfAll) folders.insert(folder + "/" + inner);  // looked into later
+    }
+  }
+  // What lies beside scans in some folder is of no concern.
+  if (!scans.foreign && !foreign.empty() && scans.count == 0 && scans.series.empty()) {
+    scans.foreign = about_foreign(foreign, *foreign_format(foreign));
   }
   const std::size_t room = StickScans::kMost - scans.series.size();
   if (scans.count > room) {

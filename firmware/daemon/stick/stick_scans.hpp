@@ -27,17 +27,18 @@ struct StickSeries {
   std::uint64_t bytes = 0;  ///< of all
 };
 
-/// The scans in a stick's top folder, by name, then the series there and in the folders below it.
+/// The scans in a stick's top folder, by name, then the series there and in two levels of folders below it.
 struct StickScans {
   static constexpr std::size_t kMost = 64;  ///< scans and series together
   static constexpr std::size_t kMostSeries = 8;
-  static constexpr std::size_t kMostFolders = 16;  ///< that are looked into, the first by name
+  static constexpr std::size_t kMostFolders = 16;       ///< of the top folder, the first by name
+  static constexpr std::size_t kMostFoldersOfAll = 32;  ///< that are looked into
   std::array<StickScan, kMost> list;
   std::size_t count = 0;
   std::vector<StickSeries> series;
   std::size_t left_out = 0;      ///< scans and series for which there was no room
   FixedText<256> job_file;       ///< its name on the stick; empty: there is none
-  std::optional<Error> foreign;  ///< about a file that is sliced for another printer
+  std::optional<Error> foreign;  ///< about a file of another kind
 };
 
 /// Whether a file is offered as a scan, by its name: its ending is one of scan_endings.hpp, and it is

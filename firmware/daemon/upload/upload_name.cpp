@@ -28,7 +28,7 @@ Status check_upload_name(std::string_view name) {
              PrintableText(name, kLongestName).c_str(), kLongestName));
   }
   if (const ForeignFormat* const foreign = foreign_format(name)) {
-    return telling(Told(PrinterCode::kUploadKind, {}, name),
+    return telling(Told(foreign->kind.code, {}, name),
                    fail(ErrorCode::kUnknownFormat, "%s %s (%s).\t%s", PrintableText(name).c_str(), foreign->kind.what,
                         foreign->program, foreign->kind.advice));
   }

@@ -29,8 +29,20 @@ enum class ToldCode : std::uint16_t {
   kLaz,
   kSplatsCompressed,
   kFileEmpty,
+  // Files of other kinds, by name.
+  kForeignPrint,
+  kForeignFilament,
+  kForeignProject,
+  kForeignCad,
+  kForeignModel,
+  kForeignScan,
+  kForeignSplats,
+  kPacked,
+  kPicture,
+  kWebPage,
+  kWideText,
 };
-inline constexpr std::size_t kToldCodeCount = static_cast<std::size_t>(ToldCode::kFileEmpty) + 1;
+inline constexpr std::size_t kToldCodeCount = static_cast<std::size_t>(ToldCode::kWideText) + 1;
 
 /// A number that is told, with its unit. The program around the slicer numbers its own from kFactCount.
 enum class Fact : std::uint8_t {

@@ -10,16 +10,19 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
-constexpr ForeignKind kSliced = {"is sliced for another printer", "export it as .sl1"};
-constexpr ForeignKind kFilament = {"is sliced for a filament printer", "export its mesh as STL"};
-constexpr ForeignKind kProject = {"is a project", "export its mesh as STL"};
-constexpr ForeignKind kCad = {"is a CAD model", "export it as STL or 3MF"};
-constexpr ForeignKind kModel = {"is a model that is not read", "export the mesh as STL, OBJ, PLY, OFF or 3MF"};
-constexpr ForeignKind kScan = {"is a scan that is not read", "export its points as E57, PLY or LAS"};
-constexpr ForeignKind kLaz = {"is a compressed scan", "save it as LAS, with laszip or CloudCompare"};
-constexpr ForeignKind kSplats = {"is a scan that is not read", "export it as SPZ or PLY"};
-constexpr ForeignKind kPacked = {"is packed", "unpack it and give the scan inside"};
-constexpr ForeignKind kPicture = {"is a picture", "give a scan, a mesh or a print that is sliced"};
+constexpr ForeignKind kSliced = {"is sliced for another printer", "export it as .sl1", ToldCode::kForeignPrint};
+constexpr ForeignKind kFilament = {"is sliced for a filament printer", "export its mesh as STL",
+                                   ToldCode::kForeignFilament};
+constexpr ForeignKind kProject = {"is a project", "export its mesh as STL", ToldCode::kForeignProject};
+constexpr ForeignKind kCad = {"is a CAD model", "export it as STL or 3MF", ToldCode::kForeignCad};
+constexpr ForeignKind kModel = {"is a model that is not read", "export the mesh as STL, OBJ, PLY, OFF or 3MF",
+                                ToldCode::kForeignModel};
+constexpr ForeignKind kScan = {"is a scan that is not read", "export its points as E57, PLY or LAS",
+                               ToldCode::kForeignScan};
+constexpr ForeignKind kLaz = {"is a compressed scan", "save it as LAS, with laszip or CloudCompare", ToldCode::kLaz};
+constexpr ForeignKind kSplats = {"is a scan that is not read", "export it as SPZ or PLY", ToldCode::kForeignSplats};
+constexpr ForeignKind kPacked = {"is packed", "unpack it and give the scan inside", ToldCode::kPacked};
+constexpr ForeignKind kPicture = {"is a picture", "give a scan, a mesh or a print that is sliced", ToldCode::kPicture};
 
 constexpr ForeignFormat kFormats[] = {
     {".ctb .cbddlp .phz", "Chitubox", kSliced},

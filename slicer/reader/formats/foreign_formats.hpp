@@ -5,11 +5,14 @@
 #include <optional>
 #include <string_view>
 
+#include "slicer/core/words/told.hpp"
+
 namespace plumbline {
 
 struct ForeignKind {
   const char* what;    ///< "is sliced for another printer"
   const char* advice;  ///< "export it as .sl1"
+  ToldCode code;       ///< told with the file's name
 };
 
 struct ForeignFormat {

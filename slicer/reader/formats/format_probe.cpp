@@ -18,6 +18,7 @@ struct Mark {
   std::string_view bytes;
   const char* what;
   const char* advice;
+  ToldCode code = ToldCode::kNone;  ///< told with the file's name
 };
 constexpr auto kGzip = "\x1f\x8b"sv;
 constexpr auto kOle = "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"sv;
@@ -26,19 +27,20 @@ constexpr const char* kConvert = "convert it to PLY with the program that wrote 
 
 /// Other files that people have on their sticks.
 constexpr Mark kMarks[] = {
-    {"NGSP"sv, "SPZ of version 4 or later", "export the splats as SPZ version 3, or as PLY"},
-    {kZipSignature, "a zip archive", kUnpack},
-    {"PK\x05\x06"sv, "an empty zip archive", kUnpack},
-    {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive", kUnpack},
-    {"Rar!\x1a\x07"sv, "a RAR archive", kUnpack},
+    {"NGSP"sv, "SPZ of version 4 or later", "export the splats as SPZ version 3, or as PLY", ToldCode::kForeignSplats},
+    {kZipSignature, "a zip archive", kUnpack, ToldCode::kPacked},
+    {"PK\x05\x06"sv, "an empty zip archive", kUnpack, ToldCode::kPacked},
+    {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive", kUnpack, ToldCode::kPacked},
+    {"Rar!\x1a\x07"sv, "a RAR archive", kUnpack, ToldCode::kPacked},
     {"\xfd"
      "7zXZ\0"sv,
-     "an xz archive", kUnpack},
-    {"BZh"sv, "a bzip2 archive", kUnpack},
-    {"\x28\xb5\x2f\xfd"sv, "a zstd archive", kUnpack},
-    {kOle, "a document of SolidWorks, Inventor, 3ds Max or an office program", "export the part as STL or 3MF"},
+     "an xz archive", kUnpack, ToldCode::kPacked},
+    {"BZh"sv, "a bzip2 archive", kUnpack, ToldCode::kPacked},
+    {"\x28\xb5\x2f\xfd"sv, "a zstd archive", kUnpack, ToldCode::kPacked},
+    {kOle, "a document of SolidWorks, Inventor, 3ds Max or an office program", "export the part as STL or 3MF",
+     ToldCode::kForeignCad},
     {"<?xml"sv, "XML", kConvert},
-    {"<!DOCTYPE html"sv, "a web page", "download the file itself"},
+    {"<!DOCTYPE html"sv, "a web page", "download the file itself", ToldCode::kWebPage},
     {"version https://git-lfs"sv, "a pointer of Git LFS, not the file", "get the file with 'git lfs pull'"},
 };
 
@@ -51,7 +53,7 @@ class Probe {
 
   Expected<ScanFormat> format() {
     PLUMBLINE_TRY(refuse_foreign(foreign_content(window_, input_.size())));
-    PLUMBLINE_TRY(refuse_wide_text());
+    if (!has_size_of_stl()) PLUMBLINE_TRY(refuse_wide_text());  // its 80 bytes may hold any text
     if (window_.starts_with("\xef\xbb\xbf")) {
       input_.consume(3);
       window_.remove_prefix(3);
@@ -92,7 +94,9 @@ class Probe {
   Status refuse_wide_text() const {
     const auto refuse = [&](const char* what) -> Status {
       PLUMBLINE_TRY(refuse_foreign(foreign_format(input_.name())));
-      return input_.fail(ErrorCode::kUnsupported, "byte 0: the text is in %s;\tsave it as UTF-8 or ASCII", what);
+      return telling(
+          Told(ToldCode::kWideText, {}, input_.name()),
+          input_.fail(ErrorCode::kUnsupported, "byte 0: the text is in %s;\tsave it as UTF-8 or ASCII", what));
     };
     if (window_.starts_with("\xff\xfe\0\0"sv) || window_.starts_with("\0\0\xfe\xff"sv)) return refuse("UTF-32");
     if (window_.starts_with("\xff\xfe") || window_.starts_with("\xfe\xff")) return refuse("UTF-16");
@@ -117,19 +121,21 @@ class Probe {
 
   Status refuse_foreign(const ForeignFormat* foreign) const {
     if (foreign == nullptr) return {};
-    return input_.fail(ErrorCode::kUnknownFormat, "%s (%s);\t%s", foreign->kind.what, foreign->program,
-                       foreign->kind.advice);
+    return telling(Told(foreign->kind.code, {}, input_.name()),
+                   input_.fail(ErrorCode::kUnknownFormat, "%s (%s);\t%s", foreign->kind.what, foreign->program,
+                               foreign->kind.advice));
   }
 
   Status refuse_other_formats() const {
-    const auto refuse = [&](const char* what, const char* advice) {
-      return input_.fail(ErrorCode::kUnknownFormat, "this is %s;\t%s", what, advice);
+    const auto refuse = [&](const Mark& mark) {
+      return telling(Told(mark.code, {}, input_.name()),
+                     input_.fail(ErrorCode::kUnknownFormat, "this is %s;\t%s", mark.what, mark.advice));
     };
     if (window_.starts_with("PK") && (has_ending(input_.name(), ".sl1") || has_ending(input_.name(), ".sl1s"))) {
-      return refuse("a print that is sliced already", "print it, or check it");
+      return refuse({{}, "a print that is sliced already", "print it, or check it"});
     }
     for (const Mark& mark : kMarks) {
-      if (window_.starts_with(mark.bytes)) return refuse(mark.what, mark.advice);
+      if (window_.starts_with(mark.bytes)) return refuse(mark);
     }
     return {};
   }
@@ -143,7 +149,6 @@ class Probe {
            first.starts_with("[Content_Types]");
   }
 
-  /// Binary STL has no signature: 80 arbitrary bytes, the number of triangles, 50 bytes for each.
   bool is_stl() const {
     if (has_ending(input_.name(), ".stl") && !is_other_text()) return true;
     std::string_view rest = window_;
@@ -152,6 +157,11 @@ class Probe {
         if (window_.find(word) != std::string_view::npos) return true;
       }
     }
+    return has_size_of_stl();
+  }
+
+  /// Binary STL has no signature: 80 arbitrary bytes, the number of triangles, 50 bytes for each.
+  bool has_size_of_stl() const {
     constexpr std::size_t kHead = 84;
     if (window_.size() < kHead || !input_.size()) return false;
     std::uint64_t triangles = 0;

@@ -115,7 +115,7 @@ class LasReader {
   Status check_header() const {
     if ((header_.format & 0xC0U) != 0) {
       return telling(
-          Told(ToldCode::kLaz),
+          Told(ToldCode::kLaz, {}, input_.name()),
           input_.fail(ErrorCode::kUnsupported,
                       "this is LAZ, which is compressed;\tsave it as LAS with the program that wrote it, with "
                       "CloudCompare, or with 'laszip -i scan.laz -o scan.las'"));

@@ -122,6 +122,24 @@ class Scans(StatePrinter):
         user.do("start")
         self.assertEqual(self.printed(user)[1], hashes)
 
+    def test_series_may_lie_in_a_folder_of_a_project(self):
+        hashes = self.slice_masks(self.back, self.front)
+        _, user = self.start(speedup=1e4)
+        self.put_folder("bust/scans", {**self.halves, "notes.skp": b"no scan"})
+        job = user.state("offered", "start")["job"]
+        self.assertEqual(job["files"], ["bust/scans/back.ply", "bust/scans/front.ply"])
+        for key, value in (("supports", "none"), ("layer_height", 0.1)):
+            user.do("set", key=key, value=value)
+        user.do("start")
+        self.assertEqual(self.printed(user)[1], hashes)
+
+    def test_project_that_is_not_read_is_named(self):
+        _, user = self.start(speedup=1e4)
+        self.put_folder("bust/scans", {"2.fls": b"no scan", "1.fls": b"no scan"})
+        fault = user.state("fault", "seen")["fault"]
+        self.assertEqual(fault["message"], "bust/scans/1.fls is a scan that is not read (FARO)")
+        self.assertEqual(fault["told"], {"code": "foreign_scan", "values": {}, "name": "bust/scans/1.fls"})
+
     def test_series_too_long_for_a_scan_is_refused_in_words(self):
         _, user = self.start(speedup=1e4)
         self.put_folder("turntable", {f"scan_{i:03}.ply": b"ply" for i in range(40)})

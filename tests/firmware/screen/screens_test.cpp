@@ -396,7 +396,7 @@ TEST(Screens, EachFindingFitsInGermanWithWhatToDo) {
 }
 
 TEST(Screens, EachRefusalFitsInGermanWithWhatToDo) {
-  std::vector<ToldCode> refusals = codes(ToldCode::kTooWide, ToldCode::kFileEmpty);
+  std::vector<ToldCode> refusals = codes(ToldCode::kTooWide, ToldCode::kWideText);
   std::ranges::copy(codes(PrinterCode::kFileNotOpened, PrinterCode::kSettingValue), std::back_inserter(refusals));
   for (const ToldCode code : refusals) {
     SCOPED_TRACE(to_string(code));

@@ -104,6 +104,10 @@ TEST(ToldWords, NumbersAreRoundedForPeopleAndOneIsNotMany) {
             "1 Punkt ohne brauchbare Normale, sie ist aus den Nachbarn geschätzt");
   EXPECT_EQ(in_german({PrinterCode::kProfileUnknown, {}, "fine"}),
             "Ein Profil fine gibt es auf diesem Drucker nicht. Unter Einstellungen ein anderes wählen.");
+  EXPECT_EQ(in_german({ToldCode::kForeignCad, {}, "part.step"}),
+            "part.step ist ein CAD-Modell. Im CAD-Programm als STL oder 3MF exportieren.");
+  EXPECT_EQ(in_german({ToldCode::kForeignPrint, {}, "part.ctb"}),
+            "part.ctb ist für einen anderen Drucker geslict. Aus dem Slicer als .sl1 exportieren.");
 }
 
 TEST(ToldWords, WithoutACodeOrInEnglishTheSentenceBesideItIsShown) {
@@ -133,7 +137,7 @@ TEST(Told, FromAnotherProcessIsCheckedBeforeItIsUsed) {
 }
 
 TEST(Told, KeepsItsNameSafeAndShort) {
-  const Told told(PrinterCode::kStickForeign, {}, "a\x1b[2J" + std::string(100, 'x'));
+  const Told told(ToldCode::kForeignPrint, {}, "a\x1b[2J" + std::string(100, 'x'));
   EXPECT_TRUE(is_valid(told));
   EXPECT_THAT(std::string(told.name()), testing::StartsWith("a\\x1b[2J"));
   EXPECT_TRUE(told.name().ends_with("..."));

@@ -70,6 +70,25 @@ TEST(FormatProbe, NamesForeignFilesByTheirBytes) {
   }
 }
 
+TEST(FormatProbe, TellsTheKindOfAForeignFileAsACodeWithItsName) {
+  const std::string ole = "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1 rest";
+  for (const auto& [bytes, name, code] :
+       {std::tuple("ISO-10303-21;\n"s, "part.stl", ToldCode::kForeignCad),
+        std::tuple("\x19\0\xfd\x12 rest"s, "part.ctb", ToldCode::kForeignPrint),
+        std::tuple("glTF\2\0"s, "part.glb", ToldCode::kForeignModel),
+        std::tuple("PK\3\4 rest"s, "part.lys", ToldCode::kForeignProject),
+        std::tuple("PK\3\4 rest"s, "part.zip", ToldCode::kPacked),
+        std::tuple("7z\xbc\xaf\x27\x1c"s, "part.7z", ToldCode::kPacked), std::tuple(ole, "part", ToldCode::kForeignCad),
+        std::tuple("<!DOCTYPE html>"s, "part.stl", ToldCode::kWebPage),
+        std::tuple("\xff\xfe\x31\0"s, "part.xyz", ToldCode::kWideText),
+        std::tuple("\xff\xd8\xff\xe0"s, "part.obj", ToldCode::kPicture)}) {
+    const auto reading = read(bytes, name);
+    ASSERT_FALSE(reading.summary.has_value()) << name;
+    EXPECT_EQ(reading.summary.error().told().code, code) << name;
+    EXPECT_EQ(reading.summary.error().told().name(), name);
+  }
+}
+
 TEST(FormatProbe, NamesForeignFilesByTheirNamesWhereTheBytesSayNothing) {
   const std::string ole = "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1 rest";
   const std::string rubbish = "\x01\x02\0\0\x03\x7f\0\0 abc\n"s;
@@ -124,6 +143,14 @@ TEST(FormatProbe, RefusesWideTextWithAndWithoutByteOrderMark) {
   const auto reading = read("\xff\xfe\0\0"s + four, "scan.obj");
   EXPECT_EQ(reading.code(), ErrorCode::kUnsupported);
   EXPECT_THAT(reading.message(), HasSubstr("UTF-32"));
+}
+
+TEST(FormatProbe, ABinaryStlMayHaveWideTextInItsHead) {
+  std::string head;
+  for (const char c : "solid made by a program"s) head += {c, '\0'};
+  head.resize(80);
+  const auto reading = read(head + little(1U) + std::string(50, '\0'), "part.stl");
+  EXPECT_THAT(reading.message(), HasSubstr("this is STL"));
 }
 
 TEST(FormatProbe, FindsNoPointsInAnEmptyFile) {
