@@ -19,7 +19,8 @@ std::size_t flipped_normals_bytes(std::uint32_t points);
 /// Neighbours that face the same way are joined to sheets. The largest sheet is taken to be right. The others, from large to
 /// small, and then the points in no sheet, are turned over if the field of the sheets before them says so (orient_normals(), 2):
 /// a sheet that faces the wrong way opens a hole in the surface instead of closing it. A separate part, or the wall of a
-/// cavity, does not contradict the field and stays.
+/// cavity, does not contradict the field and stays. So does a single point that the field hardly tells, on a sheet of its own behind that of a
+/// thin wall's other side, which more views saw.
 ///
 /// Then the winding number on the largest sheet tells whether the scan as a whole is inside out: 1/2 on a closed surface, -1/2
 /// if all normals face into it. If so the largest sheet is turned over, and the others are asked again. A height field stays,

@@ -38,6 +38,10 @@ constexpr float kBeside = 4;             ///< radii of a point's share within wh
 /// Two neighbours agree if their join_weight() is above this, and contradict each other if it is below its opposite.
 constexpr float kContradicts = 0.25F;
 
+/// A single point is turned over by the sign of the field alone if it changes by this within the radius of the point's share. At a turned
+/// point of a dense surface it changes by some .5, behind a wall that more views saw by hardly anything.
+constexpr float kLooseEvidence = 0.05F;
+
 /// A scan is inside out if the winding number on its largest sheet is below this. It is 1/2 on a closed surface, -1/2 on the
 /// same inside out, and 0.3 and -0.3 on half a sphere. What encloses less could as well be the inside of a bowl, and stays
 /// as the scan says.
@@ -81,20 +85,20 @@ std::size_t Sheets::bytes_needed(std::uint32_t points) {
   return sizeof(DipoleField::Node) * DipoleField::nodes_needed(points) + sizeof(Sheet) * sheets_at_most(points);
 }
 
-Status Sheets::limit_areas(Cloud& cloud, Arena& arena) {
+Expected<float> Sheets::limit_areas(Cloud& cloud, Arena& arena) {
   const ArenaScope scope(arena);
   const std::uint32_t samples = std::min(kAreaSamples, cloud.size);
   const auto block = arena.take_top<float>(samples, kStage);
   PLUMBLINE_TRY(block);
   for (std::uint32_t s = 0; s < samples; ++s) (*block)[s] = cloud.radius[cloud.sampled(s, samples)];
   const float middle = median(*block);
-  if (!(middle > 0)) return {};
+  if (!(middle > 0)) return 0.0F;
   const float most = kMostRadius * middle;
   for (float& radius : cloud.radius.first(cloud.size)) radius = std::min(radius, most);
-  return {};
+  return middle;
 }
 
-Expected<NormalCounts> Sheets::turn(FirstSide first) {
+Expected<NormalCounts> Sheets::turn(FirstSide first, Stays stays) {
   const ArenaScope scope(arena_);
   rule_ = first;
   PLUMBLINE_TRY(list());
@@ -111,7 +115,7 @@ Expected<NormalCounts> Sheets::turn(FirstSide first) {
     find_other_sides(field);
     field.build(sides());
   }
-  turn_loose_points(field);
+  turn_loose_points(field, stays);
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
     const Sheet* sheet = sheet_of(i);
     if (sheet == nullptr || sets_.fixed(i)) continue;
@@ -296,17 +300,23 @@ bool Sheets::is_height_field() const {
 }
 
 /// Turns the points that are in no sheet: outliers, and small groups at edges. They are not part of the field.
-void Sheets::turn_loose_points(const DipoleField& field) {
-  std::uint32_t turned = 0;
-#pragma omp parallel for schedule(dynamic, 256) reduction(+ : turned)
+void Sheets::turn_loose_points(const DipoleField& field, Stays stays) {
+  // stays() reads the normals of others, so all are asked before the first is turned. Classes have no other use before the clustering.
+#pragma omp parallel for schedule(dynamic, 256)
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-    if (sets_.fixed(i) || !cloud_.normal[i].known() || sheet_of(i) != nullptr) continue;
-    // Of a single point the sign of the slope is enough.
-    if (!(field(cloud_.position[i], sides(), kRoughShare).gradient.dot(cloud_.normal[i].unpack()) > 0)) continue;
-    cloud_.normal[i].turn_over();
-    ++turned;
+    PackedNormal& normal = cloud_.normal[i];
+    normal.point_class = PointClass::kNoise;
+    if (sets_.fixed(i) || !normal.known() || sheet_of(i) != nullptr) continue;
+    const float slope = field(cloud_.position[i], sides(), kRoughShare).gradient.dot(normal.unpack());
+    if (!(slope > 0) || (cloud_.radius[i] * slope < kLooseEvidence && stays(i))) continue;
+    normal.point_class = PointClass::kNeutral;
   }
-  counts_.turned += turned;
+  for (PackedNormal& normal : cloud_.normal.first(cloud_.size)) {
+    if (normal.point_class == PointClass::kNoise) continue;
+    normal.point_class = PointClass::kNoise;
+    normal.turn_over();
+    ++counts_.turned;
+  }
 }
 
 /// Flux of all oriented points about their centroid: negative if the whole is inside out.

@@ -7,6 +7,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/implicit/dipole_field.hpp"
 #include "slicer/normals/normal_counts.hpp"
 #include "slicer/normals/sided_sets.hpp"
@@ -48,6 +49,8 @@ enum class FirstSide : std::uint8_t {
 /// The sheets of joined points, the largest first. The area of point i is pi radius[i]^2.
 class Sheets {
  public:
+  using Stays = FunctionRef<bool(std::uint32_t)>;
+
   /// Most bytes of arena that turn() takes, not counting the rounding of blocks.
   static std::size_t bytes_needed(std::uint32_t points);
 
@@ -55,13 +58,16 @@ class Sheets {
   Sheets(Cloud& cloud, SidedSets& sets, Arena& arena) : cloud_(cloud), sets_(sets), arena_(arena) {}
 
   /// Turns every normal that is not fixed to the outer side, by rule 2 of orient_normals().
+  /// @param stays  of a single point that the field hardly contradicts: whether other evidence says that it is right
   /// @returns normals turned over, and whether the largest sheet had to be, too
   /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] Expected<NormalCounts> turn(FirstSide first);
+  [[nodiscard]] Expected<NormalCounts> turn(
+      FirstSide first, Stays stays = [](std::uint32_t) { return false; });
 
   /// Limits radii to a few times their median. An outlier has as much room around it as a thousand points of the surface
   /// and must not count as much.
-  [[nodiscard]] static Status limit_areas(Cloud& cloud, Arena& arena);
+  /// @returns the median, mm
+  [[nodiscard]] static Expected<float> limit_areas(Cloud& cloud, Arena& arena);
 
  private:
   Status list();
@@ -79,7 +85,7 @@ class Sheets {
   void sample(const DipoleField& field, std::span<Sheet> sheets, std::uint32_t most);
   bool first_is_inside_out(const DipoleField& field);
   bool is_height_field() const;
-  void turn_loose_points(const DipoleField& field);
+  void turn_loose_points(const DipoleField& field, Stays stays);
   double total_flux() const;
 
   Cloud& cloud_;

@@ -9,6 +9,7 @@
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/numbers/lanes.hpp"
 #include "slicer/core/numbers/vec.hpp"
+#include "slicer/surface/sparse_surface.hpp"
 
 namespace plumbline {
 namespace {
@@ -96,10 +97,11 @@ PLUMBLINE_WIDE void add_all(const Member& m, float radius2, const Neighbourhood&
 }
 
 /// The normal of the points around a point whose own can't be used, on the side that most of their normals face.
-/// @param search_radius  mm; a point with fewer than kMinPoints points within it is an outlier and keeps its normal
-/// @returns the point's own normal if the others lie on no plane, or don't agree on a side
-Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float search_radius) {
+/// @returns the point's own normal if it is an outlier, with fewer than kMinPoints points within kSparseRadius * epsilon; or if the
+///          others lie on no plane, don't agree on a side, or are those of a wall's other side
+Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon) {
   Vec3f own = cloud.normal[i].unpack();
+  const float search_radius = kSparseRadius * epsilon;
   std::array<Neighbour, kMinPoints> near;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   const auto any = [](std::uint32_t) { return true; };
   if (tree.nearest(cloud.position[i], near, any, search_radius * search_radius) < kMinPoints) return own;
@@ -109,7 +111,10 @@ Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, const KdTree3& tree,
   float side = 0;
   for (const Neighbour& n : planes.points()) side += normal->dot(cloud.normal[n.index].unpack());
   if (std::abs(side) < kMinSide * static_cast<float>(planes.points().size())) return own;
-  return side > 0 ? *normal : Vec3f(-*normal);
+  const Vec3f fitted = side > 0 ? *normal : Vec3f(-*normal);
+  // A plane that would turn the normal over is that of a wall's other side if the point lies on a sheet as it is.
+  if (fitted.dot(own) < -kOneWay && sparse_surface_radius(cloud, tree, i, epsilon)) return own;
+  return fitted;
 }
 
 /// Whether the points that face the same way as a point's normal n lie too far to one side of the point.
@@ -170,7 +175,7 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringR
       refined[i] = cloud.normal[i];
       const Vec3f n = cloud.normal[i].unpack();
       if (!cloud.is_surface(i) || is_beside(n, moments[i - first], clustering)) {
-        refined[i].set(fit_normal(planes, cloud, tree, i, kSparseRadius * clustering.epsilon));
+        refined[i].set(fit_normal(planes, cloud, tree, i, clustering.epsilon));
         continue;
       }
       const Tilt& own = tilts[i - first] = measure_tilt(n, moments[i - first], explained);

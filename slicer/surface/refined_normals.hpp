@@ -36,7 +36,8 @@ enum class NormalSource : std::uint8_t {
 /// A point off the plane of the others that face its way lies beside their sheet: it is on the wall below an edge, where the
 /// scanner's window saw more of the face above. Its normal is not used, nor is that of a noise point, which is often noise
 /// because of its normal. Both get the normal of TangentPlanes, on the side of the normals around them, if these agree. A point
-/// with too few others within kSparseRadius * epsilon keeps its own. Noise stays noise; rescue_sparse_surface() tests
+/// with too few others within kSparseRadius * epsilon keeps its own, and so does one on sparse surface that would be turned over:
+/// the plane is that of a thin wall's other side, which more views saw. Noise stays noise; rescue_sparse_surface() tests
 /// it again.
 ///
 /// @param cloud    in the order of `tree`, radius[] and classes set by cluster()

@@ -76,6 +76,42 @@ TEST(FlippedNormals, OfAFoilDoNotContradictEachOther) {
   EXPECT_FALSE(sliced(box({0, 0, 0}, {20, 20, 0.05}, kSpacing, 0.4, random)).report().normals.contradictory);
 }
 
+// Few views saw the middle of the wall inside: its points are apart, and those of the wall outside are nearer to each of them. Their
+// normals stay, though they make no sheet, and are not mistaken for those of points beside one.
+TEST(FlippedNormals, OfAWallInsideATubeThatFewViewsSawAreRight) {
+  constexpr double kOuter = 6;
+  constexpr double kInner = 5.4;
+  constexpr double kLength = 24;
+  const auto rings = [](double radius, double side, double low, double high, double spacing) {
+    Surface wall;
+    Random random(5);
+    const auto around = std::floor(2 * kPi * radius / spacing);
+    for (double z = low + 0.5 * spacing; z < high; z += spacing) {
+      for (double k = 0; k < around; ++k) {
+        const double angle = 2 * kPi * (k + random.uniform(0, 1)) / around;
+        const Vec3d out(std::cos(angle), std::sin(angle), 0);
+        wall.push_back({radius * out + Vec3d(0, 0, z + spacing * random.uniform(-0.5, 0.5)), side * out});
+      }
+    }
+    return wall;
+  };
+  Surface tube = rings(kOuter, 1, 0, kLength, kSpacing);
+  append(tube, rings(kInner, -1, 0, 5, kSpacing));
+  append(tube, rings(kInner, -1, 5, kLength - 5, 0.8));
+  append(tube, rings(kInner, -1, kLength - 5, kLength, kSpacing));
+  for (double radius = kInner + 0.1; radius < kOuter; radius += kSpacing) {
+    for (double angle = 0; angle < 2 * kPi; angle += kSpacing / radius) {
+      const Vec3d at(radius * std::cos(angle), radius * std::sin(angle), 0);
+      tube.push_back({at, {0, 0, -1}});
+      tube.push_back({at + Vec3d(0, 0, kLength), {0, 0, 1}});
+    }
+  }
+  const Slicing slicing = sliced(tube);
+  EXPECT_EQ(slicing.report().normals.turned, 0U);
+  const double volume = kPi * (kOuter * kOuter - kInner * kInner) * kLength;
+  EXPECT_NEAR(slicing.volume(), volume, 0.03 * volume);
+}
+
 // The plate is the largest sheet. By its field alone, the block's lid seems to face the wrong way.
 TEST(FlippedNormals, OfABlockOnAPlateAreRight) {
   Random random(1);
