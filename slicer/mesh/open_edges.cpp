@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "slicer/core/numbers/mix64.hpp"
 
@@ -82,9 +83,24 @@ void OpenEdges::remove(std::size_t slot) {
   --used_;
 }
 
+/// Doubles the table in place. An edge's new slot is at most as far from its home as the old one was, or as far in the new half. So
+/// no edge meets one that has not been moved, if the first one to move lies behind an empty slot.
 Status OpenEdges::grow() {
-  full_ = 2 * slots_.size() > most_;
-  return full_ ? Status{} : rebuild(2 * slots_.size());
+  const std::size_t half = slots_.size();
+  full_ = 2 * half > most_;
+  if (full_) return {};
+  std::size_t empty = 0;
+  while (slots_[empty].surplus != 0) ++empty;
+  arena_->release_bottom(mark_);
+  const auto doubled = arena_->take_bottom<OpenEdge>(2 * half, kStage);
+  PLUMBLINE_TRY(doubled);
+  slots_ = *doubled;
+  std::ranges::fill(slots_.subspan(half), OpenEdge{});
+  for (std::size_t i = 1; i < half; ++i) {
+    const OpenEdge edge = std::exchange(slots_[(empty + i) % half], OpenEdge{});
+    if (edge.surplus != 0) slots_[find(edge)] = edge;
+  }
+  return {};
 }
 
 /// Moves all edges to a table of another size.
@@ -116,7 +132,7 @@ Status OpenEdges::begin_users() {
 }
 
 Status OpenEdges::add(const LatticeTriangle& triangle) {
-  if (2 * (used_ + std::size_t{3}) > slots_.size()) PLUMBLINE_TRY(grow());
+  if (4 * (used_ + std::size_t{3}) > 3 * slots_.size()) PLUMBLINE_TRY(grow());
   if (full_) return {};
   for_each_edge(triangle, [&](const OpenEdge& edge) {
     if (edge.surplus == 0) return;

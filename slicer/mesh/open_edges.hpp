@@ -62,7 +62,7 @@ class OpenEdges {
   Status rebuild(std::size_t slots);
 
   Arena* arena_ = nullptr;
-  std::span<OpenEdge> slots_;   ///< a power of two of them, at most half of them used
+  std::span<OpenEdge> slots_;   ///< a power of two of them, at most three quarters of them used
   std::span<EdgeUsers> users_;  ///< of each slot
   std::size_t mark_ = 0;        ///< of the arena, before the slots
   std::size_t most_ = 0;        ///< slots
