@@ -115,6 +115,28 @@ TEST(IssueReport, TheStrictestActionCounts) {
   EXPECT_TRUE(judge({}, kGrid, policy)) << "nothing was found";
 }
 
+TEST(IssueReport, EveryKindHasEveryAction) {
+  for (std::size_t i = 0; i < kIssueKindCount; ++i) {
+    const auto kind = static_cast<IssueKind>(i);
+    StackFindings findings;
+    findings.voxels = 1'000'000;
+    findings.of(kind).add({.kind = kind, .layer = 7, .first_layer = 7, .last_layer = 9, .pixels = 500, .voxels = 900});
+    CheckPolicy policy;
+    policy.actions.fill(CheckAction::kIgnore);
+    CheckChoice accepted;
+    accepted.accept = true;
+    for (const auto action : {CheckAction::kIgnore, CheckAction::kWarn, CheckAction::kAsk, CheckAction::kRefuse}) {
+      SCOPED_TRACE(std::string(words_of(kind).key) + " " +
+                   std::string(kCheckActionWords[static_cast<std::size_t>(action)]));
+      policy.of(kind) = action;
+      EXPECT_EQ(sentences(findings, policy).size(), action == CheckAction::kIgnore ? 0U : 1U);
+      EXPECT_EQ(judge(findings, kGrid, policy).has_value(), action < CheckAction::kAsk);
+      EXPECT_EQ(judge(findings, kGrid, accepted.over(policy)).has_value(), action < CheckAction::kRefuse);
+      policy.of(kind) = CheckAction::kIgnore;
+    }
+  }
+}
+
 TEST(IssueReport, CoarsePixelsHaveLimitsOfTheSameSizeInMillimetres) {
   PrintGrid coarse = kGrid;
   EXPECT_EQ(coarse_limits(coarse, {}).overhang_reach, 40U);
