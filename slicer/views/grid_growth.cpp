@@ -56,8 +56,7 @@ bool keeps_scale(const ViewGrid& grid, const ViewGrid& first) {
 
 std::size_t GridGrowth::bytes(std::uint32_t threads) {
   const std::size_t parts = parts_for(threads);
-  return 3 * kSample * sizeof(float) +
-         parts * (sizeof(Part) + kRoom * (3 * sizeof(float) + sizeof(std::uint32_t)));
+  return 3 * kSample * sizeof(float) + parts * (sizeof(Part) + kRoom * (3 * sizeof(float) + sizeof(std::uint32_t)));
 }
 
 Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,

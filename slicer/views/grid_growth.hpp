@@ -68,7 +68,7 @@ class GridGrowth {
   std::span<const std::uint8_t> view_of_;
   double extent_;  ///< half the diagonal of the scan, mm
   ViewGridFit fit_;
-  std::span<Part> parts_;          ///< of each thread; the last one is the whole
+  std::span<Part> parts_;  ///< of each thread; the last one is the whole
 };
 
 }  // namespace plumbline

@@ -41,8 +41,9 @@ void add_scan(Text& text, const ScanOutlook& o) {
              plural_s(o.scan.scans.each[i].points),
              o.scan.scans.each[i].header.has_normals ? "with normals" : "without normals");
   }
-  if (scan.not_finite > 0)
+  if (scan.not_finite > 0) {
     text.add("           %llu point%s left out: not finite\n", big(scan.not_finite), plural_s(scan.not_finite));
+  }
   if (scan.left_out > 0) {
     text.add("           %llu point%s left out: %s\n", big(scan.left_out), plural_s(scan.left_out),
              why_left_out(scan.header.format));
