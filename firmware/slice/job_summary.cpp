@@ -35,8 +35,9 @@ void add_scan(Text& text, const JobReport& report) {
            to_string(s.scan.header.format), s.scan.header.encoding,
            s.scan.header.has_normals ? "with normals" : "without normals");
   add_files(text, report.scan_names, s.scans);
-  if (s.scan.not_finite > 0)
+  if (s.scan.not_finite > 0) {
     text.add("           %llu point%s dropped: not finite\n", big(s.scan.not_finite), plural_s(s.scan.not_finite));
+  }
   if (s.scan.left_out > 0) {
     text.add("           %llu point%s dropped: %s\n", big(s.scan.left_out), plural_s(s.scan.left_out),
              why_left_out(s.scan.header.format));
@@ -162,13 +163,12 @@ void add_supports(Text& text, const JobReport& report) {
   if (s.all() == 0) return;
   text.add(
       "           tips: %u light, %u medium, %u heavy; one carries at most %.1f mm2; %u brace%s, pillars free over "
-      "%.1f "
-      "mm "
-      "at most\n",
+      "%.1f mm at most\n",
       s.light, s.medium, s.heavy, s.largest_load_mm2, s.braces, plural_s(s.braces), s.longest_free_mm);
-  if (s.close > 0)
+  if (s.close > 0) {
     text.add("           %u of them %s closer to the object's walls than asked\n", s.close,
              s.close == 1 ? "is" : "are");
+  }
 }
 
 void add_stage(Text& text, std::string_view name, double seconds, std::size_t peak, std::size_t planned) {
