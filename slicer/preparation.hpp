@@ -23,7 +23,7 @@ struct PreparedScan {
 
   /// Of the object, down to the floor that it stands on; rotated scan coordinates. The cloud is not empty.
   Box3d bounds() const;
-  Box3d in_scan(const Box3f& box) const;  ///< from coordinates of the cloud to rotated scan coordinates
+  Box3d in_scan(const Box3f& local) const;  ///< from coordinates of the cloud to rotated scan coordinates
 };
 
 /// Called before the clustering, when normals and views are settled and no point has been left out.

@@ -58,7 +58,8 @@ Expected<Box3f> dense_bounds(std::span<const Vec3f> points, const Box3f& core, A
   for (const Vec3f& p : points) {
     if (inside(p) && !pieces.add(p, 1)) return all;
   }
-  pieces.join(std::max(kFewest, static_cast<float>(points.size() / (std::size_t{kAverageShare} * pieces.occupied()))));
+  const std::size_t share = points.size() / (std::size_t{kAverageShare} * pieces.occupied());
+  pieces.join(std::max(kFewest, static_cast<float>(share)));
   std::uint32_t largest = kSlots;
   for (std::uint32_t i = 0; i < kSlots; ++i) {
     if (!pieces.is_piece(i)) continue;

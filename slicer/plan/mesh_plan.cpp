@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kHitsError = 0.05;  ///< of the estimate, at most: a refusal and a plan leave that much on either side
 /// More than any arena holds, and so few that no sum of bytes overflows.
-constexpr double kMostHits = static_cast<double>(std::numeric_limits<std::size_t>::max() / 64);
+constexpr double kMostHits = static_cast<double>(std::numeric_limits<std::size_t>::max()) / 64;
 
 }  // namespace
 
