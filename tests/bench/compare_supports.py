@@ -118,6 +118,8 @@ def plumbline_supports(plumbline, mesh, work, pitch):
     thing = thing[found["sunk_layers"] :]
     room = (masks.shape[1] - thing.shape[1]) // 2
     aligned = np.zeros_like(masks)
+    # Layers above the object that held only a speck, which supports leave out, are not printed.
+    thing = thing[: masks.shape[0] - found["lifted_layers"]]
     aligned[found["lifted_layers"] :, room : room + thing.shape[1], room : room + thing.shape[2]] = thing
     return aligned, masks
 
