@@ -103,8 +103,8 @@ Status OpenEdges::grow() {
   return {};
 }
 
-/// Moves all edges to a table of another size.
-Status OpenEdges::rebuild(std::size_t slots) {
+/// Moves all edges to a smaller table.
+Status OpenEdges::shrink(std::size_t slots) {
   const std::span<OpenEdge> old = slots_;
   // The new table is filled above the old one, then moved down to its place.
   const auto above = arena_->take_bottom<OpenEdge>(slots, kStage);
@@ -123,7 +123,8 @@ Status OpenEdges::rebuild(std::size_t slots) {
 }
 
 Status OpenEdges::begin_users() {
-  PLUMBLINE_TRY(rebuild(std::max(kFewestSlots, std::bit_ceil(2 * std::size_t{used_}))));
+  const std::size_t enough = std::max(kFewestSlots, std::bit_ceil(2 * std::size_t{used_}));
+  if (enough < slots_.size()) PLUMBLINE_TRY(shrink(enough));
   const auto users = arena_->take_bottom<EdgeUsers>(slots_.size(), kStage);
   PLUMBLINE_TRY(users);
   std::ranges::fill(*users, EdgeUsers{});

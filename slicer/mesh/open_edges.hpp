@@ -59,7 +59,7 @@ class OpenEdges {
   std::size_t find(const OpenEdge& edge) const;
   void remove(std::size_t slot);
   Status grow();
-  Status rebuild(std::size_t slots);
+  Status shrink(std::size_t slots);
 
   Arena* arena_ = nullptr;
   std::span<OpenEdge> slots_;   ///< a power of two of them, at most three quarters of them used
