@@ -27,9 +27,7 @@ constexpr double kJoinShare = 0.6;          ///< of the time, for progress only;
 
 // A point lies on the side of a thin wall that fewer views saw if most of its nearest points are those of the other side, and the nearest of
 // those that face its way lie on its plane. Flying points have none of these, and a turned point lies in the sheet that it contradicts.
-constexpr std::uint32_t kOfSheet = 5;  ///< points that face its way, as many as make sparse surface
-constexpr float kReach = 24;           ///< median radii of a point's share within which these must lie: 3 epsilon
-constexpr float kMostSlope = 0.2F;     ///< most height over distance on a sheet; points on another have more
+constexpr float kReach = 24;  ///< median radii of a point's share within which these must lie: 3 epsilon
 
 class FlippedNormals {
  public:
@@ -60,7 +58,7 @@ class FlippedNormals {
     std::uint32_t points = 0;
     float distance = 0;
     float height = 0;
-    bool is_sheet() const { return height <= kMostSlope * distance; }
+    bool is_sheet() const { return height <= kMostHeight * distance; }
   };
 
   /// Sums up those of the points that face the same way as point i (side 1) or the opposite (-1).
@@ -87,8 +85,8 @@ class FlippedNormals {
     const auto faces_its_way = [&](std::uint32_t j) {
       return j != i && cloud_.normal[j].unpack().dot(normal) > kOneWay;
     };
-    const auto own = std::span(found).first(kOfSheet);
-    return tree_.nearest(cloud_.position[i], own, faces_its_way, reach * reach) == kOfSheet &&
+    const auto own = std::span(found).first(kSparsePoints);
+    return tree_.nearest(cloud_.position[i], own, faces_its_way, reach * reach) == kSparsePoints &&
            around(i, own, 1).is_sheet();
   }
 

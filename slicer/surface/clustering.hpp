@@ -14,25 +14,27 @@ namespace plumbline {
 /// Points that tell a median over the scan: within 1 % of the whole cloud's.
 inline constexpr std::uint32_t kMedianSample = 16384;
 
-inline constexpr std::uint32_t kMinPts = 30;  ///< minPts of the thesis
-inline constexpr double kSameTypeShare =
-    0.75;  ///< a core point has more than this share of neighbours of its own type (thesis)
-// Beyond the thesis: a noise point keeps its type if it lies on a sheet of kSparsePoints points, itself included, within kSparseRadius
-// by the same metric. Such a sheet is a part of the surface that few views saw. The rule does not apply where most points are outliers.
-inline constexpr std::uint32_t kSparsePoints =
-    5;                                     ///< larger values lose the walls of narrow bores: slicer/EXPERIMENTS.md
-inline constexpr float kSparseRadius = 3;  ///< epsilons
-inline constexpr float kCleanSupport =
-    15;  ///< points of a support on a clean scan; more lose detail (slicer/EXPERIMENTS.md)
-inline constexpr float kNoisySupport = 100;  ///< points of a support on a noisy scan; more lose detail and take time
+/// minPts of the thesis.
+inline constexpr std::uint32_t kMinPts = 30;
+/// A core point has more than this share of neighbours of its own type (thesis).
+inline constexpr double kSameTypeShare = 0.75;
+/// Points of a support on a clean scan. More lose detail: slicer/EXPERIMENTS.md.
+inline constexpr float kCleanSupport = 15;
+/// Points of a support on a noisy scan. More lose detail and take time.
+inline constexpr float kNoisySupport = 100;
+
+/// Epsilons. Beyond the thesis, a noise point keeps its type if it lies on a sheet of kSparsePoints points, itself included, within that
+/// distance by the same metric. Such a sheet is a part of the surface that few views saw. The rule does not apply where most points are
+/// outliers.
+inline constexpr float kSparseRadius = 3;
 enum class SparseSurface : std::uint8_t { kKept, kNoise };  ///< kNoise: as in the thesis
 
 /// epsilon: the median over the points of the distance to the (2 minPts)-th nearest other point, mm.
 ///
 ///   epsilon = (d[floor(n/2)] + d[floor((n-1)/2)]) / 2, d ascending                       (thesis III-2.b)
 ///
-/// A cloud of more than `most_samples` points is sampled at equal steps of its order. This is the tree's, so the sample is spread evenly over the
-/// surface.
+/// A cloud of more than `most_samples` points is sampled at equal steps of its order. This is the tree's, so the sample is
+/// spread evenly over the surface.
 /// @returns mm; 0 when most points coincide
 [[nodiscard]] Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, Arena& arena,
                                               std::uint32_t most_samples = kMedianSample);

@@ -11,10 +11,6 @@
 
 namespace plumbline {
 
-/// Largest mean height of a point over its neighbours' planes, over their distance, for a point on their sheet. Estimated normals at a
-/// corner make up to 0.1; a point straight above a sheet has 1.
-inline constexpr float kMostHeight = 0.2F;
-
 /// Tests whether point i lies on a sparse sheet of points that face its way. Of the nearest of these, kSparsePoints
 /// (itself included) must lie within kSparseRadius * epsilon by the metric of the clustering, and its mean height over
 /// them must be at most kMostHeight of their mean distance:
