@@ -156,15 +156,17 @@ TEST(Supports, HoldABlobThatHangsOnAFewPixels) {
   EXPECT_EQ(held.tips().size(), 0U);
 }
 
+/// A roof that a wall holds, and under it an icicle above other blocks. Pixels of 0.025 mm.
+Supported cave_above(const std::vector<Block>& others) {
+  std::vector<Block> all = {
+      {2, 62, 2, 62, 0, 10}, {2, 8, 2, 62, 10, 100}, {2, 62, 2, 62, 90, 100}, {30, 35, 30, 35, 80, 90}};
+  all.insert(all.end(), others.begin(), others.end());
+  return Supported(cubic_grid(kSide, 100, 0.025F), blocks(all));
+}
+
 TEST(Supports, StandInTheObjectAndNotOnThePointOfASpire) {
-  // An icicle of a roof, above a spire whose point has 9 pixels of 0.025 mm. A foot there has 113.
-  const Inside cave = blocks({{2, 62, 2, 62, 0, 10},
-                              {2, 8, 2, 62, 10, 100},
-                              {2, 62, 2, 62, 90, 100},
-                              {30, 35, 30, 35, 80, 90},
-                              {24, 41, 24, 41, 10, 35},
-                              {31, 34, 29, 32, 35, 40}});
-  const Supported s(cubic_grid(kSide, 100, 0.025F), cave);
+  // The spire's point has 9 pixels, a foot there 113.
+  const Supported s = cave_above({{24, 41, 24, 41, 10, 35}, {31, 34, 29, 32, 35, 40}});
   EXPECT_GE(s.counts.on_object, 1U);
   EXPECT_TRUE(s.masks[40].at(28, 32)) << "the foot is on the spire";
   EXPECT_EQ(floating_islands(s.masks), 0U);
@@ -172,13 +174,8 @@ TEST(Supports, StandInTheObjectAndNotOnThePointOfASpire) {
 }
 
 TEST(Supports, StandBesideTheEdgeOfAThinWallAndNotOnIt) {
-  // The icicle above a wall of 2 x 12 pixels of 0.025 mm: a foot on its edge would be torn off.
-  const Inside cave = blocks({{2, 62, 2, 62, 0, 10},
-                              {2, 8, 2, 62, 10, 100},
-                              {2, 62, 2, 62, 90, 100},
-                              {30, 35, 30, 35, 80, 90},
-                              {31, 33, 26, 38, 10, 40}});
-  const Supported s(cubic_grid(kSide, 100, 0.025F), cave);
+  // A foot on the edge of a wall of 2 x 12 pixels would be torn off.
+  const Supported s = cave_above({{31, 33, 26, 38, 10, 40}});
   EXPECT_GE(s.counts.on_object, 1U);
   EXPECT_TRUE(s.masks[12].at(28, 32)) << "the foot is on the floor";
   EXPECT_EQ(floating_islands(s.masks), 0U);
