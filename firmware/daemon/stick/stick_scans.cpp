@@ -109,7 +109,8 @@ void add_series(StickScans& scans, const std::map<std::string, std::uint64_t>& f
   }
 }
 
-/// Finds series in the top folder and in two levels below it. One that may lack files, since a folder has too many, is none.
+/// Finds series in the top folder and in two levels of folders below it. A folder with too many files has none: some of a series might
+/// be missing.
 Status find_all_series(StickScans& scans, std::set<std::string> folders, const StickMount& mount) {
   if (scans.left_out == 0) {
     std::map<std::string, std::uint64_t> files;

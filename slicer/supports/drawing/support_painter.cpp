@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kMostNarrow = 31;
 constexpr std::uint32_t kMiddle = 32;
 
-/// Draws the rows of a disc: those at the same distance above and below its middle row with the same words, made once.
+/// Draws a disc's rows. The two at the same distance above and below the middle one are alike, so their words are made once.
 /// @param middle     the words of the disc's middle row
 /// @param words_of   words_of(i, draw) calls draw(word, bits) for the words of the i-th row from the middle
 /// @param ink        as in draw_struts()
