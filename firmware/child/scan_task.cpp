@@ -117,6 +117,7 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
   std::vector<GivenFile> files;
   for (const RequestedFile& file : page.request.files()) files.emplace_back(static_cast<int>(files.size()), file);
   std::vector<ByteSource*> sources;
+  sources.reserve(files.size());
   for (GivenFile& file : files) sources.push_back(&file);
   SharedProgress progress(page.progress);
   if (page.request.proposes || page.request.is_glance) {

@@ -100,7 +100,7 @@ std::string with_key(const std::string& text, const std::string& table, const st
     const std::string word = line.substr(0, line.find_first_of(" \t="));
     if (here == table && word == key) continue;
     out += line;
-    if (line.starts_with('[') && here == table) out += key + " = " + value + "\n";
+    if (line.starts_with('[') && here == table) out.append(key).append(" = ").append(value).append("\n");
   }
   return out;
 }

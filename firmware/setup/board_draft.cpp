@@ -273,8 +273,9 @@ std::string BoardDraft::text() const {
     std::string line = std::string(rule.key) + " = " + (is_text(rule) ? quoted(value_text) : value_text);
     line.resize(std::max(kComment, line.size() + 1), ' ');
     const auto source = sources_.find({std::string(rule.table), std::string(rule.key)});
-    const std::string unit = rule.unit[0] == ' ' ? std::string(rule.unit + 1) + "; " : std::string();
-    out += line + "# " + unit + (source == sources_.end() ? "as " + like_ : source->second) + "\n";
+    out.append(line).append("# ");
+    if (rule.unit[0] == ' ') out.append(rule.unit + 1).append("; ");
+    out.append(source == sources_.end() ? "as " + like_ : source->second).append("\n");
   }
   return out;
 }

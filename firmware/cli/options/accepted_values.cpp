@@ -57,7 +57,7 @@ CLI::Validator whole_number_from(unsigned long long low, unsigned long long high
       "");
 }
 
-CLI::Validator one_of(std::vector<std::string> words) {
+CLI::Validator one_of(const std::vector<std::string>& words) {
   return CLI::Validator(
       [words](std::string& text) -> std::string {
         if (std::find(words.begin(), words.end(), text) != words.end()) return {};

@@ -17,6 +17,6 @@ CLI::Validator number_from(double low, double high, const char* unit = "");
 CLI::Validator whole_number_from(unsigned long long low, unsigned long long high);
 
 /// Accepts these words.
-CLI::Validator one_of(std::vector<std::string> words);
+CLI::Validator one_of(const std::vector<std::string>& words);
 
 }  // namespace plumbline

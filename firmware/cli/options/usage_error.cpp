@@ -1,5 +1,6 @@
 #include "firmware/cli/options/usage_error.hpp"
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -69,9 +70,8 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   const std::string help = " '" + name + " --help' ";
   // Without those of its subcommands, which have been given already.
   const auto rest = app.remaining(true);
-  for (const auto& word : rest) {
-    if (is_option(word)) return name + ": " + unknown_option(sub, word) + help + "lists them.";
-  }
+  const auto option = std::find_if(rest.begin(), rest.end(), is_option);
+  if (option != rest.end()) return name + ": " + unknown_option(sub, *option) + help + "lists them.";
   if (has_subcommands) return name + ": " + unknown_subcommand(sub, rest) + ";" + help + "explains them.";
   if (!rest.empty()) return name + ": " + quoted(rest.front()) + " is one argument too many.";
   const std::string_view what = error.what();
