@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <utility>
 
 namespace plumbline {
 
@@ -42,7 +41,7 @@ Descriptor SocketPlace::connect() const {
   static_cast<void>(::setsockopt(socket.get(), SOL_SOCKET, SO_SNDTIMEO, &bound, sizeof bound));
   if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0) return socket;
   const int reason = errno;
-  { Descriptor closed(std::move(socket)); }
+  socket = Descriptor();  // closed before errno is set
   errno = reason;
   return socket;
 }

@@ -95,6 +95,7 @@ struct FolderListing final : StickMount::FileVisitor {
 /// @param folder  as a prefix: "" or "bust/"
 void add_series(StickScans& scans, const std::map<std::string, std::uint64_t>& files, const std::string& folder) {
   std::vector<std::string> names;
+  names.reserve(files.size());
   for (const auto& [name, bytes] : files) names.push_back(name);
   for (const auto& indices : find_series(names)) {
     if (scans.series.size() == StickScans::kMostSeries) {
@@ -124,7 +125,7 @@ Status find_all_series(StickScans& scans, std::set<std::string> folders, const S
     if (!listed && listed.error().code() != ErrorCode::kCannotRead) return listed;
     if (!listed) continue;
     if (listing.count == listing.files.size()) add_series(scans, listing.files, folder + "/");
-    if (foreign.empty() && !listing.foreign.empty()) foreign = folder + "/" + listing.foreign;
+    if (foreign.empty() && !listing.foreign.empty()) foreign.append(folder).append("/").append(listing.foreign);
     if (folder.find('/') != std::string::npos) continue;
     for (const std::string& inner : listing.folders) {
       if (folders.size() < StickScans::kMostFoldersOfAll) folders.insert(folder + "/" + inner);  // looked into later
