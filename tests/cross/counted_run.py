@@ -15,21 +15,36 @@ SPREAD = 0.001  # relative difference between equal runs: addresses and the time
 class Counts:
     """Instructions of each stage of one run, and of the whole run."""
 
-    def __init__(self, counted, said):
-        *marks, end = counted.splitlines()
-        _, total, threads = end.split()
-        if threads != "1":
-            sys.exit(f"the program ran {threads} threads, but the plug-in counts only one")
-        self.total = int(total)
-        # --verbose: at its end each stage writes one line with its time, in one write(2).
-        self.stages, before = {}, 0
-        for mark, line in zip(marks, said.splitlines()):
-            words, at = line.split(), int(mark.split()[1])
-            if " s   arena " in line:
-                # A stage that works in two steps ends twice.
-                name = " ".join(words[: words.index("s") - 1])
-                self.stages[name] = self.stages.get(name, 0) + at - before
-            before = at
+    def __init__(self, parts, rest, said):
+        """
+        @param parts  instructions before each line that tells of a stage, and after the one before it
+        @param rest   instructions after the last of them
+        @param said   standard error. With --verbose each stage writes one line with its time when it ends
+        """
+        lines = [line.split() for line in said.splitlines() if " s   arena " in line]
+        if len(lines) != len(parts):
+            sys.exit(f"{len(parts)} counts for {len(lines)} lines about stages:\n{said}")
+        self.total = sum(parts) + rest
+        self.stages = {}
+        for part, words in zip(parts, lines):
+            # A stage that works in two steps ends twice.
+            name = " ".join(words[: words.index("s") - 1])
+            self.stages[name] = self.stages.get(name, 0) + part
+
+
+def counts_of_writes(counted, said):
+    """Counts from what count_instructions.cpp wrote, which tells of all writes to standard error, each of one line."""
+    *marks, end = counted.splitlines()
+    _, total, threads = end.split()
+    if threads != "1":
+        sys.exit(f"the program ran {threads} threads, but the plug-in counts only one")
+    parts, before = [], 0
+    for mark, line in zip(marks, said.splitlines()):
+        at = int(mark.split()[1])
+        if " s   arena " in line:
+            parts.append(at - before)
+        before = at
+    return Counts(parts, int(total) - sum(parts), said)
 
 
 class Counter:
@@ -52,7 +67,7 @@ class Counter:
         if done.returncode != status or not counted.exists():
             shown = " ".join(map(str, arguments))
             sys.exit(f"{shown}\nended with {done.returncode}; counted: {counted.exists()}\n{done.stdout}{done.stderr}")
-        return Counts(counted.read_text(), done.stderr)
+        return counts_of_writes(counted.read_text(), done.stderr)
 
 
 def is_repeatable(one, other):
