@@ -18,13 +18,13 @@ using namespace testing;
 Surface awkward_scan() {
   Random random(91);
   Surface surface;
-  for (const SurfacePoint& p : sphere(26000, 6, {0, 0, 4})) {
+  for (const SurfacePoint& p : sphere(13000, 6, {0, 0, 4})) {
     const bool hole = (p.position - Vec3d(6, 0, 4)).norm() < 1.5;
     if (p.position[2] > 0 && !hole) surface.push_back(p);
   }
-  append(surface, box({8, -3, 0}, {12, 3, 5}, 0.15, 0.4, random));
+  append(surface, box({8, -3, 0}, {12, 3, 5}, 0.21, 0.4, random));
   add_noise(surface, 0.02, 0.1, random);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 150; ++i) {
     surface.push_back(
         {Vec3d(random.uniform(-6, 12), random.uniform(-6, 6), random.uniform(0, 10)), random.vector().normalized()});
   }
@@ -35,8 +35,8 @@ Surface awkward_scan() {
 TEST(Determinism, TheRRepIsTheSameForAnyNumberOfThreads) {
   const std::string scan = binary_ply(awkward_scan());
   SliceSettings settings;
-  settings.placement.pixel_pitch_mm = 0.1F;
-  settings.placement.layer_height_mm = 0.1F;
+  settings.placement.pixel_pitch_mm = 0.14F;
+  settings.placement.layer_height_mm = 0.14F;
   const Slicing one(scan, settings, 64 * kMiB);
   ASSERT_GT(one.rrep().crossings(), 10000U);
   for (const std::uint32_t threads : {2U, 3U, 8U}) {
@@ -55,8 +55,8 @@ TEST(Determinism, TheRRepIsTheSameForAnyNumberOfThreads) {
 TEST(Determinism, TheRRepIsTheSameInALargerArenaIfNothingIsThinned) {
   const std::string scan = binary_ply(awkward_scan());
   SliceSettings settings;
-  settings.placement.pixel_pitch_mm = 0.2F;
-  settings.placement.layer_height_mm = 0.2F;
+  settings.placement.pixel_pitch_mm = 0.28F;
+  settings.placement.layer_height_mm = 0.28F;
   const Slicing small(scan, settings, 24 * kMiB);
   const Slicing large(scan, settings, 200 * kMiB);
   ASSERT_EQ(small.report().cloud_points, large.report().cloud_points);

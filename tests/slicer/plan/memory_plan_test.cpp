@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tests/slicer/support/slicing.hpp"
@@ -110,11 +111,11 @@ Surface half_a_panel(double pitch, std::uint32_t columns, std::uint32_t rows, st
 
 TEST(MemoryPlan, CoversWhatEachStageUses) {
   SliceSettings settings = settings_with_pitch(0.1F);
-  settings.placement.printer = PrinterVolume{360, 640, 0.1F, 0.1F, 60};
-  for (const std::uint32_t threads : {1U, 4U}) {
+  settings.placement.printer = PrinterVolume{180, 320, 0.1F, 0.1F, 60};
+  // Arenas that the cloud fills leave the plan no slack.
+  for (const auto& [threads, mib] : {std::pair(1U, 7U), std::pair(4U, 17U)}) {
     settings.threads = threads;
-    // An arena that the cloud fills leaves the plan no slack.
-    const Slicing sliced(binary_ply(half_a_panel(0.1, 360, 640, 200000)), settings, (9 + 3 * threads) * kMiB);
+    const Slicing sliced(binary_ply(half_a_panel(0.1, 180, 320, 100000)), settings, mib * kMiB);
     const SliceReport& report = sliced.report();
     EXPECT_GT(report.cloud_points, report.cloud_capacity / 2) << "the cloud does not fill the arena";
     for (std::size_t s = 0; s < kStageCount; ++s) {
