@@ -1,5 +1,7 @@
 #include "firmware/archive/layer_archive.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -8,8 +10,11 @@
 #include "firmware/archive/layer_numbers.hpp"
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/pictures/reduced_picture.hpp"
+#include "slicer/core/byte_source.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/words/printable_text.hpp"
+#include "slicer/reader/formats/format_probe.hpp"
+#include "slicer/reader/formats/scan_endings.hpp"
 #include "slicer/reader/stream/words.hpp"
 
 namespace plumbline {
@@ -28,26 +33,94 @@ Status decode(ZipReader& zip, const ArchiveLayer& layer, const MaskTurn& turn, B
   return tl::unexpected<Error>(done.error().with_prefix(where.view()));
 }
 
+constexpr std::size_t kProbedBytes = 4096;
+
+/// The first bytes of a file, to be probed.
+class FileHead final : public ByteSource, public ReadProgress {
+ public:
+  FileHead(std::span<const std::byte> head, std::uint64_t size, std::string_view name)
+      : head_(head), size_(size), name_(name) {}
+
+  Expected<std::size_t> read(std::span<std::byte> buffer) override {
+    const auto got = std::min(buffer.size(), head_.size());
+    std::copy_n(head_.begin(), got, buffer.begin());
+    head_ = head_.subspan(got);
+    return got;
+  }
+  std::string_view name() const override { return name_; }
+  std::optional<std::uint64_t> size() const override { return size_; }
+  bool progress(double /*fraction*/) override { return true; }
+
+ private:
+  std::span<const std::byte> head_;
+  std::uint64_t size_;
+  std::string_view name_;
+};
+
+const char* ending_of(ScanFormat format) {
+  switch (format) {
+    case ScanFormat::kPly: return ".ply";
+    case ScanFormat::kXyz: return ".xyz";
+    case ScanFormat::kPcd: return ".pcd";
+    case ScanFormat::kObj: return ".obj";
+    case ScanFormat::kStl: return ".stl";
+    case ScanFormat::kOff: return ".off";
+    case ScanFormat::k3mf: return ".3mf";
+    case ScanFormat::kLas: return ".las";
+    case ScanFormat::kPtx: return ".ptx";
+    case ScanFormat::kE57: return ".e57";
+    case ScanFormat::kSpz: return ".spz";
+  }
+  return ".ply";
+}
+
+/// What is no zip archive, if its bytes say so.
+/// @param broken  what is said otherwise
+Error name_content(std::span<const std::byte> head, std::uint64_t size, std::string_view name, const Error& broken) {
+  if (std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kZipSignature))
+    return broken;
+  FileHead source(head, size, name);
+  std::array<std::byte, kProbedBytes> window;
+  ByteInput input(source, source, window);
+  const auto format = probe_format(input);
+  if (!format) return format.error();
+  return Error::format(ErrorCode::kUnknownFormat, "%s: is a scan or mesh, no sliced print.\tGive it the ending %s",
+                       PrintableText(name).c_str(), ending_of(*format));
+}
+
 }  // namespace
 
 bool is_archive_name(std::string_view name) {
-  return has_ending(name, ".sl1") || has_ending(name, ".sl1s") || has_ending(name, ".zip");
+  return std::any_of(kArchiveEndings.begin(), kArchiveEndings.end(),
+                     [name](std::string_view ending) { return has_ending(name, ending); });
 }
 
 Expected<LayerArchive> LayerArchive::open(int file, std::string_view name) {
-  return open(ZipReader::open(file, PrintableText(name).view()));
+  auto zip = ZipReader::open(file, PrintableText(name).view());
+  if (zip || zip.error().code() != ErrorCode::kMalformed) return open(std::move(zip));
+  std::array<std::byte, kProbedBytes> head;
+  const ::off_t size = ::lseek(file, 0, SEEK_END);  // the child may not call stat()
+  const ::ssize_t got = ::lseek(file, 0, SEEK_SET) == 0 ? ::read(file, head.data(), head.size()) : -1;
+  if (got < 0 || size < got) return open(std::move(zip));
+  return tl::unexpected<Error>(name_content(std::span(head).first(static_cast<std::size_t>(got)),
+                                            static_cast<std::uint64_t>(size), name, zip.error()));
 }
 
 Expected<LayerArchive> LayerArchive::open(std::span<const std::byte> file, std::string_view name) {
-  return open(ZipReader::open(file, PrintableText(name).view()));
+  auto zip = ZipReader::open(file, PrintableText(name).view());
+  if (zip || zip.error().code() != ErrorCode::kMalformed) return open(std::move(zip));
+  const auto head = file.first(std::min(file.size(), kProbedBytes));
+  return tl::unexpected<Error>(name_content(head, file.size(), name, zip.error()));
 }
 
 Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
   PLUMBLINE_TRY(zip);
   LayerArchive archive(std::move(*zip));
   std::optional<ZipPlace> first, config, prusaslicer;
+  bool has_model = false;
   std::uint64_t least = 0;
   PLUMBLINE_TRY(archive.zip_.for_each([&](std::string_view entry, const ZipPlace& place) -> Status {
+    has_model = has_model || same_word(entry, "3D/3dmodel.model");
     if (same_word(entry, "config.ini")) config = place;
     if (same_word(entry, "prusaslicer.ini")) prusaslicer = place;
     if (is_thumbnail(entry) && archive.thumbnail_count_ < kMostThumbnails) {
@@ -62,6 +135,10 @@ Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
     ++archive.layers_;
     return {};
   }));
+  if (archive.layers_ == 0 && has_model) {
+    return fail(ErrorCode::kNoPoints, "%s: is a mesh, no sliced print.\tGive it the ending .3mf",
+                archive.zip_.name().c_str());
+  }
   if (archive.layers_ == 0 || archive.layers_ > PrintGrid::kMaxLayers) {
     return fail(
         ErrorCode::kNoPoints,

@@ -108,6 +108,11 @@ constexpr ForeignFormat kFormats[] = {
     {".7z .rar .gz .tgz .tar .xz .bz2 .zst", "7z, gzip or the like", kPacked},
     {".jpg", "JPEG", kPicture},
     {".png", "PNG", kPicture},
+    {".gif", "GIF", kPicture},
+    {".bmp", "BMP", kPicture},
+    {".tif", "TIFF", kPicture},
+    {".webp", "WebP", kPicture},
+    {".heic", "HEIC", kPicture},
     {".pdf", "PDF", kPicture},
 };
 
@@ -167,6 +172,9 @@ constexpr Signature kSignatures[] = {
     {"Ogawa"sv, ".abc"},
     {"\xff\xd8\xff"sv, ".jpg"},
     {"\x89PNG\r\n"sv, ".png"},
+    {"GIF8"sv, ".gif"},
+    {"II*\0"sv, ".tif"},
+    {"MM\0*"sv, ".tif"},
     {"%PDF-"sv, ".pdf"},
 };
 
@@ -234,14 +242,32 @@ bool is_sat(std::string_view head) {
          take_line(head).find(" ACIS ") != std::string_view::npos;
 }
 
-/// The chunk of a 3D Studio file is as long as the file.
-bool is_3ds(std::string_view head, std::optional<std::uint64_t> size) {
-  if (!head.starts_with("MM") || head.size() < 6) return false;
+/// A 3D Studio file and a BMP begin with two letters and the file's length.
+bool has_length(std::string_view head, std::string_view letters, std::optional<std::uint64_t> size) {
+  if (!head.starts_with(letters) || head.size() < 6) return false;
   std::uint64_t length = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     length |= std::uint64_t{static_cast<unsigned char>(head[2 + i])} << (8 * i);
   }
   return length == size;
+}
+
+/// "G28", "M140": a letter and a number.
+bool is_gcode_command(std::string_view word) {
+  return word.size() > 1 && (word[0] == 'G' || word[0] == 'M') &&
+         word.find_first_not_of("0123456789.", 1) == std::string_view::npos;
+}
+
+/// The first two lines that are no comments are commands.
+bool is_gcode(std::string_view head) {
+  int commands = 0;
+  while (!head.empty() && commands < 2) {
+    const auto word = LineWords(take_line(head)).next();
+    if (word.empty() || word[0] == ';') continue;
+    if (!is_gcode_command(word)) return false;
+    ++commands;
+  }
+  return commands == 2;
 }
 
 }  // namespace
@@ -262,7 +288,16 @@ const ForeignFormat* foreign_content(std::string_view head, std::optional<std::u
   if (is_dxf(head)) return row_of(".dxf");
   if (is_iges(head)) return row_of(".iges");
   if (is_sat(head)) return row_of(".sat");
-  if (is_3ds(head, size)) return row_of(".3ds");
+  if (has_length(head, "MM", size)) return row_of(".3ds");
+  if (has_length(head, "BM", size)) return row_of(".bmp");
+  if (is_gcode(head)) return row_of(".gcode");
+  constexpr std::size_t kTarMagic = 257;
+  if (head.size() > kTarMagic && head.substr(kTarMagic).starts_with("ustar")) return row_of(".tar");
+  if (head.starts_with("RIFF") && head.size() > 8 && head.substr(8).starts_with("WEBP")) return row_of(".webp");
+  if (head.size() > 8 && head.substr(4).starts_with("ftyp")) {
+    const auto brand = head.substr(8, 4);
+    if (brand == "heic" || brand == "heix" || brand == "mif1" || brand == "avif") return row_of(".heic");
+  }
   constexpr std::size_t kVersion = 80;  // bytes of a JT's first field
   if (head.starts_with("Version ") && head.substr(0, kVersion).find(" JT") != std::string_view::npos) {
     return row_of(".jt");

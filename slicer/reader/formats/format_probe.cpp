@@ -29,7 +29,8 @@ constexpr const char* kConvert = "convert it to PLY with the program that wrote 
 constexpr Mark kMarks[] = {
     {"NGSP"sv, "SPZ of version 4 or later", "export the splats as SPZ version 3, or as PLY", ToldCode::kForeignSplats},
     {kZipSignature, "a zip archive", kUnpack, ToldCode::kPacked},
-    {"PK\x05\x06"sv, "an empty zip archive", kUnpack, ToldCode::kPacked},
+    {"PK\x05\x06"sv, "an empty zip archive", "copy or export the file again"},
+    {kGzip, "a gzip archive", kUnpack, ToldCode::kPacked},
     {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive", kUnpack, ToldCode::kPacked},
     {"Rar!\x1a\x07"sv, "a RAR archive", kUnpack, ToldCode::kPacked},
     {"\xfd"
@@ -66,7 +67,8 @@ class Probe {
     if (window_.starts_with(kE57Signature)) return ScanFormat::kE57;
     if (window_.starts_with("# .PCD")) return ScanFormat::kPcd;
     if (is_container()) PLUMBLINE_TRY(refuse_foreign(foreign_format(input_.name())));
-    if (window_.starts_with(kGzip)) return ScanFormat::kSpz;  // or another gzip file, as its reader says
+    if (window_.starts_with(kGzip) && !is_archive_name())
+      return ScanFormat::kSpz;  // or another gzip file, as its reader says
     if (is_3mf()) return ScanFormat::k3mf;
     PLUMBLINE_TRY(refuse_other_formats());
     if (is_stl()) return ScanFormat::kStl;
@@ -131,8 +133,11 @@ class Probe {
       return telling(Told(mark.code, {}, input_.name()),
                      input_.fail(ErrorCode::kUnknownFormat, "this is %s;\t%s", mark.what, mark.advice));
     };
-    if (window_.starts_with("PK") && (has_ending(input_.name(), ".sl1") || has_ending(input_.name(), ".sl1s"))) {
-      return refuse({{}, "a print that is sliced already", "print it, or check it"});
+    const bool archive = has_ending(input_.name(), ".sl1") || has_ending(input_.name(), ".sl1s");
+    if ((archive && window_.starts_with(kZipSignature)) || is_sliced_zip()) {
+      return refuse({{},
+                     "a print that is sliced already",
+                     is_archive_name() ? "print it, or check it" : "give it the ending .sl1 to print it"});
     }
     for (const Mark& mark : kMarks) {
       if (window_.starts_with(mark.bytes)) return refuse(mark);
@@ -140,11 +145,26 @@ class Probe {
     return {};
   }
 
+  /// The name of a zip archive's first part, and what follows it; empty: it is none.
+  std::string_view first_part() const {
+    constexpr std::size_t kName = 30;  // bytes before it
+    return window_.starts_with(kZipSignature) ? window_.substr(std::min(kName, window_.size())) : std::string_view();
+  }
+
+  /// A zip archive that begins with the settings, the thumbnails or a layer of a sliced print.
+  bool is_sliced_zip() const {
+    if (first_part().empty()) return false;
+    const auto low = static_cast<unsigned char>(window_[26]), high = static_cast<unsigned char>(window_[27]);
+    const std::size_t length = low + 256U * high;
+    const auto name = first_part().substr(0, length);
+    const bool is_layer = has_ending(name, ".png") && name.find('/') == std::string_view::npos;
+    return is_layer || name == "config.ini" || name == "prusaslicer.ini" || name.starts_with("thumbnail/");
+  }
+
   /// A zip archive whose name says so, or whose first part is one of a 3MF.
   bool is_3mf() const {
-    constexpr std::size_t kName = 30;  // bytes before the first part's name
-    if (!window_.starts_with(kZipSignature)) return false;
-    const auto first = window_.substr(std::min(kName, window_.size()));
+    const auto first = first_part();
+    if (first.empty() || is_sliced_zip()) return false;
     return has_ending(input_.name(), ".3mf") || first.starts_with("3D/") || first.starts_with("_rels/") ||
            first.starts_with("[Content_Types]");
   }
@@ -224,12 +244,20 @@ class Probe {
     return true;
   }
 
+  bool is_archive_name() const {
+    return std::any_of(kArchiveEndings.begin(), kArchiveEndings.end(),
+                       [this](std::string_view ending) { return has_ending(input_.name(), ending); });
+  }
+
   Expected<ScanFormat> by_name(std::string_view line) const {
     const bool is_text = window_.find('\0') == std::string_view::npos;
     if (is_text && has_ending(input_.name(), ".obj")) return ScanFormat::kObj;
     if (is_text && has_ending(input_.name(), ".pcd")) return ScanFormat::kPcd;
     for (const std::string_view ending : kXyzEndings) {
       if (is_text && has_ending(input_.name(), ending)) return ScanFormat::kXyz;
+    }
+    if (is_archive_name()) {
+      return input_.fail(ErrorCode::kMalformed, "is not a zip archive, or is damaged;\tcopy or export it again");
     }
     return input_.fail(ErrorCode::kUnknownFormat,
                        "byte 0: expected a scan in PLY, XYZ, PTS, PTX, LAS, E57, SPZ, PCD or OBJ, or a mesh in STL, "

@@ -232,6 +232,29 @@ class Printed(Sliced):
         self.assertEqual([line["end"] for line in report["exposures"]], ["time up"] * len(report["exposures"]))
         self.assertEqual(report["objections"], [])
 
+    def test_other_files_under_its_name_are_named_by_their_bytes(self):
+        def packed(entry):
+            path = self.pack({entry: b"<model/>"} if entry else {}, name="packed.zip")
+            return path.read_bytes()
+
+        whole = self.pack({"1.png": square()}).read_bytes()
+        for bytes_, words in (
+            (b"\x07\x01\xfd\x12" + bytes(500), "is sliced for another printer (Chitubox); export it as .sl1"),
+            (b"ISO-10303-21;\nHEADER;", "is a CAD model (STEP); export it as STL or 3MF"),
+            (square(), "is a picture (PNG); give a scan, a mesh or a print that is sliced"),
+            (b"7z\xbc\xaf\x27\x1c" + bytes(500), "this is a 7z archive; unpack it"),
+            (self.mesh.read_bytes(), "is a scan or mesh, no sliced print. Give it the ending .stl"),
+            (b"1 2 3\n4 5 6\n", "is a scan or mesh, no sliced print. Give it the ending .xyz"),
+            (packed("3D/3dmodel.model"), "is a mesh, no sliced print. Give it the ending .3mf"),
+            (packed(""), "this is an empty zip archive; copy or export the file again"),
+            (bytes(500), "is not a zip archive, or is damaged; copy or export it again"),
+            (whole[: len(whole) - 20], "is not a zip archive, or is damaged. Copy or export it again"),
+            (b"", "the file is empty (0 bytes)"),
+        ):
+            self.part.write_bytes(bytes_)
+            for command in (["print", self.part], ["check", self.part], ["inspect", self.part]):
+                self.assertIn(f"part.sl1: {words}", self.run_it(*command, "--printer", SIM2K, status=1).stderr)
+
     def test_options_that_change_a_scan_are_refused(self):
         self.make_part()
         for options in (("--scale", 2), ("--supports", "auto"), ("--rotate-x", 90), ("--fit",)):
@@ -362,6 +385,12 @@ class FromAStick(Sliced):
         daemon = self.start("--speedup", 1e6)
         self.until(daemon, "part.zip: layer 2: cannot be read as PNG")
         self.assertFalse((self.state / "archive.new").exists(), "a refused archive takes no room")
+
+    def test_names_what_lies_under_its_name(self):
+        self.part.write_bytes(b"\x07\x01\xfd\x12" + bytes(500))
+        self.put_stick(self.part)
+        daemon = self.start("--speedup", 1e6)
+        self.until(daemon, "part.sl1: is sliced for another printer (Chitubox). Export it as .sl1")
 
     def test_names_what_other_printers_print(self):
         for name in ("part.ctb", "part.pdf", "photo.png", "thumb.jpg"):

@@ -60,6 +60,15 @@ TEST(FormatProbe, NamesForeignFilesByTheirBytes) {
       {"ANYCUBIC\0\0\0\0"s, "(Photon Workshop)"},
       {"V3.0\x07\0\0\0DLP\0"s, "(Elegoo)"},
       {"\xff\xd8\xff\xe0 rest", "is a picture (JPEG)"},
+      {"GIF89a rest", "is a picture (GIF)"},
+      {"II*\0 rest"s, "is a picture (TIFF)"},
+      {"BM" + length + std::string(20, '\1'), "is a picture (BMP)"},
+      {"RIFF\0\1\0\0WEBPVP8 "s, "is a picture (WebP)"},
+      {"\0\0\0\x18"
+       "ftypheic\0\0\0\0"s,
+       "is a picture (HEIC)"},
+      {"; made by a slicer\nM140 S60\nG28\nG1 X1 Y2 Z3\n", "is sliced for a filament printer (G-code)"},
+      {"part.stl" + std::string(249, '\0') + "ustar" + std::string(400, '\0'), "is packed"},
   };
   for (const auto& [bytes, words] : cases) {
     for (const char* name : {"part.xyz", "part.stl", "part"}) {
@@ -68,6 +77,21 @@ TEST(FormatProbe, NamesForeignFilesByTheirBytes) {
       EXPECT_THAT(reading.message(), HasSubstr(words)) << name;
     }
   }
+}
+
+TEST(FormatProbe, NamesASlicedPrintUnderTheNameOfAScan) {
+  const auto zip_of = [](const std::string& first) {
+    return "PK\3\4" + std::string(22, '\0') + little(static_cast<std::uint32_t>(first.size())) + first + " rest";
+  };
+  for (const char* first : {"config.ini", "layer00000.png", "thumbnail/thumbnail400x400.png"}) {
+    for (const char* name : {"part.3mf", "part.stl", "part"}) {
+      EXPECT_THAT(read(zip_of(first), name).message(),
+                  HasSubstr("this is a print that is sliced already; give it the ending .sl1 to print it"));
+    }
+    EXPECT_THAT(read(zip_of(first), "part.zip").message(), HasSubstr("sliced already; print it, or check it"));
+  }
+  EXPECT_THAT(read(zip_of("Metadata/plate_1.png"), "part.stl").message(),
+              HasSubstr("this is a zip archive; unpack it"));
 }
 
 TEST(FormatProbe, TellsTheKindOfAForeignFileAsACodeWithItsName) {
