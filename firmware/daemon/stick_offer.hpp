@@ -37,8 +37,11 @@ class StickOffer {
   std::size_t choices() const { return has_job_file() ? 1 : scans_.count + scans_.series.size(); }
   /// The names of a choice's files. @pre choice < choices(), and there is no job file
   std::vector<std::string> files_of(std::size_t choice) const;
-  /// Whether nobody has to choose: a job file, or one scan and nothing else. That scans are parts of one is only a guess.
-  bool is_certain() const { return has_job_file() || (choices() == 1 && scans_.series.empty()); }
+  /// Whether nobody has to choose: a job file, or one scan in the top folder and nothing else. That scans are parts of one is only a guess.
+  bool is_certain() const {
+    const bool in_folder = job_.scans[0].find('/') != std::string::npos;
+    return has_job_file() || (choices() == 1 && scans_.series.empty() && !in_folder);
+  }
 
   /// Says what would be printed, and waits for what people make of it. Pause chooses the next scan.
   /// @param is_new  whether a scan has been uploaded since, which is then offered instead

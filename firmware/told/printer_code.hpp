@@ -80,6 +80,7 @@ enum class PrinterCode : std::uint16_t {
   kStickEmpty,
   kStickTwoJobs,
   kStickOtherJob,
+  kStickInnerJob,
   kTooManyFiles,
   kArchiveSettings,
   kSettingUnknown,

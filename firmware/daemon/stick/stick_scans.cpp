@@ -1,6 +1,7 @@
 #include "firmware/daemon/stick/stick_scans.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
 #include <set>
@@ -13,14 +14,31 @@
 #include "firmware/told/printer_code.hpp"
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/reader/formats/foreign_formats.hpp"
+#include "slicer/reader/stream/words.hpp"
 
 namespace plumbline {
 namespace {
+
+constexpr std::size_t kLongestScanName = 256;  // that fits into a StickScan
 
 Error about_foreign(std::string_view name, const ForeignFormat& format) {
   return Error::format(ErrorCode::kUnknownFormat, "%s %s (%s);\t%s", PrintableText(name).c_str(), format.kind.what,
                        format.program, format.kind.advice)
       .tell({format.kind.code, {}, name});
+}
+
+/// Folders that computers make on sticks, and what people have thrown away.
+bool is_systems_folder(std::string_view name) {
+  constexpr std::array<std::string_view, 5> kNames = {"system volume information", "$recycle.bin", "recycler",
+                                                      "__macosx", "lost.dir"};
+  return std::find(kNames.begin(), kNames.end(), in_lower_case(name)) != kNames.end();
+}
+
+Error about_inner_job(const std::string& name) {
+  return Error::format(ErrorCode::kBadSetting,
+                       "%s: is in a folder;\tput it into the stick's top folder, with the scan's path in it",
+                       PrintableText(name).c_str())
+      .tell({PrinterCode::kStickInnerJob, {}, name});
 }
 
 /// Collects scans and job.toml. Anything that may have been meant as one of them is an error, never skipped: without its
@@ -56,6 +74,7 @@ struct StickListing final : StickMount::FileVisitor {
   }
   void on_folder(std::string_view name) override {
     if (in_lower_case(name) == kJobFile || is_scan_name(name)) return on_other(name, "a folder");
+    if (is_systems_folder(name)) return;
     folders.emplace(name);
     if (folders.size() > StickScans::kMostFolders) folders.erase(std::prev(folders.end()));
   }
@@ -79,21 +98,33 @@ struct StickListing final : StickMount::FileVisitor {
 /// The scans of one folder.
 struct FolderListing final : StickMount::FileVisitor {
   void on_file(std::string_view name, std::uint64_t bytes) override {
-    if (is_scan_file_name(name) && ++count <= StickScans::kMost) files.emplace(name, bytes);
+    if (is_scan_name(name) && ++count <= StickScans::kMost) files.emplace(name, bytes);
     if (foreign_format(name) != nullptr && (foreign.empty() || name < foreign)) foreign = name;
+    if (in_lower_case(name) == kJobFile) job_file = name;
   }
-  void on_folder(std::string_view name) override { folders.emplace(name); }
+  void on_folder(std::string_view name) override {
+    if (!is_systems_folder(name)) folders.emplace(name);
+  }
   void on_other(std::string_view /*name*/, const char* /*what*/) override {}
 
   std::map<std::string, std::uint64_t> files;
   std::set<std::string> folders;
-  std::string foreign;  ///< a file of another kind
+  std::string foreign;   ///< a file of another kind
+  std::string job_file;  ///< which counts in the top folder only
   std::size_t count = 0;
 };
 
+/// In a folder that nobody has looked at, few of these are for a printer.
+bool is_any_kind(std::string_view name) {
+  return has_ending(name, ".txt") || has_ending(name, ".csv") || has_ending(name, ".zip");
+}
+
 /// Adds the series of a folder.
 /// @param folder  as a prefix: "" or "bust/"
-void add_series(StickScans& scans, const std::map<std::string, std::uint64_t>& files, const std::string& folder) {
+/// @returns the names of their files, without the folder
+std::set<std::string> add_series(StickScans& scans, const std::map<std::string, std::uint64_t>& files,
+                                 const std::string& folder) {
+  std::set<std::string> joined;
   std::vector<std::string> names;
   names.reserve(files.size());
   for (const auto& [name, bytes] : files) names.push_back(name);
@@ -106,13 +137,31 @@ void add_series(StickScans& scans, const std::map<std::string, std::uint64_t>& f
     for (const std::size_t i : indices) {
       series.names.push_back(folder + names[i]);
       series.bytes += files.at(names[i]);
+      joined.insert(names[i]);
     }
+  }
+  return joined;
+}
+
+/// Adds what a folder has beside its series.
+void add_files(StickScans& scans, const FolderListing& listing, const std::set<std::string>& joined,
+               const std::string& folder) {
+  for (const auto& [name, bytes] : listing.files) {
+    if (joined.count(name) > 0 || is_any_kind(name)) continue;
+    const std::string path = folder + name;
+    if (scans.count == StickScans::kMost || path.size() >= kLongestScanName) {
+      ++scans.left_out;
+      continue;
+    }
+    StickScan& scan = scans.list[scans.count++];
+    scan.name.add("%s", path.c_str());
+    scan.bytes = bytes;
   }
 }
 
-/// Finds series in the top folder and in two levels of folders below it. A folder with too many files has none: some of a series might
-/// be missing.
-Status find_all_series(StickScans& scans, std::set<std::string> folders, const StickMount& mount) {
+/// Finds series in the top folder, and what is in two levels of folders below it. A folder with too many files is passed over: some of a
+/// series might be missing.
+Status look_into_folders(StickScans& scans, std::set<std::string> folders, const StickMount& mount) {
   if (scans.left_out == 0) {
     std::map<std::string, std::uint64_t> files;
     for (std::size_t i = 0; i < scans.count; ++i) files.emplace(scans.list[i].name.view(), scans.list[i].bytes);
@@ -120,15 +169,22 @@ Status find_all_series(StickScans& scans, std::set<std::string> folders, const S
   }
   std::string foreign;
   for (const std::string& folder : folders) {
+    const std::string prefix = folder + "/";
     FolderListing listing;
     const auto listed = mount.for_each_file(listing, folder);
     if (!listed && listed.error().code() != ErrorCode::kCannotRead) return listed;
     if (!listed) continue;
-    if (listing.count == listing.files.size()) add_series(scans, listing.files, folder + "/");
-    if (foreign.empty() && !listing.foreign.empty()) foreign.append(folder).append("/").append(listing.foreign);
+    if (!listing.job_file.empty()) {  // without it its scan would have the wrong size
+      if (!scans.foreign) scans.foreign = about_inner_job(prefix + listing.job_file);
+      continue;
+    }
+    if (listing.count == listing.files.size()) {
+      add_files(scans, listing, add_series(scans, listing.files, prefix), prefix);
+    }
+    if (foreign.empty() && !listing.foreign.empty()) foreign = prefix + listing.foreign;
     if (folder.find('/') != std::string::npos) continue;
     for (const std::string& inner : listing.folders) {
-      if (folders.size() < StickScans::kMostFoldersOfAll) folders.insert(folder + "/" + inner);  // looked into later
+      if (folders.size() < StickScans::kMostFoldersOfAll) folders.insert(prefix + inner);  // looked into later
     }
   }
   // What lies beside scans in some folder is of no concern.
@@ -159,7 +215,7 @@ Expected<StickScans> list_scans(const StickMount& mount) {
   if (!has_job && listing.wrong_scan) return tl::unexpected<Error>(*listing.wrong_scan);
   std::sort(scans.list.begin(), scans.list.begin() + static_cast<std::ptrdiff_t>(scans.count),
             [](const auto& a, const auto& b) { return a.name.view() < b.name.view(); });
-  if (!has_job) PLUMBLINE_TRY(find_all_series(scans, listing.folders, mount));
+  if (!has_job) PLUMBLINE_TRY(look_into_folders(scans, listing.folders, mount));
   return scans;
 }
 

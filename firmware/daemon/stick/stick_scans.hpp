@@ -27,7 +27,9 @@ struct StickSeries {
   std::uint64_t bytes = 0;  ///< of all
 };
 
-/// The scans in a stick's top folder, by name, then the series there and in two levels of folders below it.
+/// The scans, meshes and sliced prints in a stick's top folder, by name, then those in two levels of folders below it, then the series of all.
+/// In a folder below, files of a series are offered only as one, and no .txt, .csv or
+/// .zip alone. A folder with a job.toml is passed over.
 struct StickScans {
   static constexpr std::size_t kMost = 64;  ///< scans and series together
   static constexpr std::size_t kMostSeries = 8;
@@ -38,7 +40,7 @@ struct StickScans {
   std::vector<StickSeries> series;
   std::size_t left_out = 0;      ///< scans and series for which there was no room
   FixedText<256> job_file;       ///< its name on the stick; empty: there is none
-  std::optional<Error> foreign;  ///< about a file of another kind
+  std::optional<Error> foreign;  ///< about a file of another kind, or a job.toml in a folder
 };
 
 /// Whether a file is offered as a scan, by its name: its ending is one of scan_endings.hpp, and it is

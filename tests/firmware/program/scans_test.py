@@ -109,14 +109,14 @@ class Scans(StatePrinter):
         (self.dir / "new").rename(self.stick)
         offered = user.state("offered", "start")
         self.assertEqual([(s["number"], s["name"], s["files"]) for s in offered["stick"]["scans"]],
-                         [(1, "back.ply", 1), (2, "front.ply", 1), (3, "back.ply", 2), (4, "scans/back.ply", 2)])
+                         [(1, "back.ply", 1), (2, "front.ply", 1), (3, "others/cat.ply", 1), (4, "others/dog.ply", 1), (5, "back.ply", 2), (6, "scans/back.ply", 2)])
         self.assertEqual((offered["job"]["files"], offered["job"]["number"]), (["back.ply"], 1), "nothing is joined unless somebody asks")
-        self.assertEqual(offered["stick"]["scans"][2]["bytes"], sum(map(len, self.halves.values())))
-        self.run_it("ctl", "choose", 4, "--socket", self.path)
-        job = user.until(lambda s: s["job"]["number"] == 4, "the folder")["job"]
+        self.assertEqual(offered["stick"]["scans"][4]["bytes"], sum(map(len, self.halves.values())))
+        self.run_it("ctl", "choose", 6, "--socket", self.path)
+        job = user.until(lambda s: s["job"]["number"] == 6, "the folder")["job"]
         self.assertEqual(job["files"], ["scans/back.ply", "scans/front.ply"])
         shown = self.run_it("status", "--socket", self.path).stdout
-        self.assertIn("*  4  2 scans as one: scans/back.ply, ...", shown)
+        self.assertIn("*  6  2 scans as one: scans/back.ply, ...", shown)
         for key, value in (("supports", "none"), ("layer_height", 0.1)):
             user.do("set", key=key, value=value)
         user.do("start")
@@ -132,6 +132,35 @@ class Scans(StatePrinter):
             user.do("set", key=key, value=value)
         user.do("start")
         self.assertEqual(self.printed(user)[1], hashes)
+
+    def test_what_lies_alone_in_a_folder_is_offered_behind_the_top_folder(self):
+        scan = self.halves["front.ply"]
+        new = self.dir / "new"
+        for path in ("bust.stl", "B\u00fcste (Kopie)/Scan final.PLY", "B\u00fcste (Kopie)/notes.txt", "prints/a/part.sl1", "prints/papers.zip",
+                     "._bust.stl", ".Trashes/old.ply", "__MACOSX/._a.ply", "__MACOSX/a.ply", "$RECYCLE.BIN/$R1.ply", "System Volume Information/x.ply",
+                     "a/b/c/deep.ply", "own/job.toml", "own/scan.ply"):
+            (new / path).parent.mkdir(parents=True, exist_ok=True)
+            (new / path).write_bytes(scan)
+        _, user = self.start(speedup=1e4)
+        new.rename(self.stick)
+        offered = user.state("offered", "start")
+        self.assertEqual([s["name"] for s in offered["stick"]["scans"]], ["bust.stl", "B\u00fcste (Kopie)/Scan final.PLY", "prints/a/part.sl1"])
+        self.assertEqual(offered["job"]["files"], ["bust.stl"])
+        user.do("choose", scan=2)
+        user.until(lambda s: s["job"]["number"] == 2, "the folder's")
+        user.do("start")
+        user.until(lambda s: s["state"] == "printing", "the folder's scan being printed")
+
+    def test_only_scan_may_lie_in_a_folder(self):
+        _, user = self.start(speedup=1e4)
+        self.put_folder("Scans", {"bust.ply": self.halves["front.ply"], "readme.txt": b"no scan"})
+        self.assertEqual(user.state("offered", "start")["job"]["files"], ["Scans/bust.ply"])
+
+    def test_job_in_a_folder_is_told(self):
+        _, user = self.start(speedup=1e4)
+        self.put_folder("Scans", {"bust.ply": self.halves["front.ply"], "Job.toml": b"[job]"})
+        fault = user.state("fault", "seen")["fault"]
+        self.assertEqual((fault["message"], fault["told"]["code"]), ("Scans/Job.toml: is in a folder", "stick_inner_job"))
 
     def test_project_that_is_not_read_is_named(self):
         _, user = self.start(speedup=1e4)
