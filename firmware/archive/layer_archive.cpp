@@ -121,8 +121,15 @@ Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
   std::uint64_t least = 0;
   PLUMBLINE_TRY(archive.zip_.for_each([&](std::string_view entry, const ZipPlace& place) -> Status {
     has_model = has_model || same_word(entry, "3D/3dmodel.model");
-    if (same_word(entry, "config.ini")) config = place;
-    if (same_word(entry, "prusaslicer.ini")) prusaslicer = place;
+    // Whoever packs a folder packs its name, too.
+    for (auto [file, found] : {std::pair("config.ini", &config), std::pair("prusaslicer.ini", &prusaslicer)}) {
+      if (!same_word(file_of_entry(entry), file)) continue;
+      if (*found) {
+        return fail(ErrorCode::kMalformed, "%s: has two files %s.\tPack one print into one archive",
+                    archive.zip_.name().c_str(), file);
+      }
+      *found = place;
+    }
     if (is_thumbnail(entry) && archive.thumbnail_count_ < kMostThumbnails) {
       archive.thumbnails_[archive.thumbnail_count_++] = place;
     }
@@ -175,6 +182,10 @@ Status LayerArchive::read_settings(const ZipPlace& place, const char* name) {
     PLUMBLINE_TRY(got);
     if (*got == 0) break;
     filled += *got;
+  }
+  if (filled == text.size()) {
+    return fail(ErrorCode::kUnsupported, "%s: %s has more than %zu KiB.\tExport it again", zip_.name().c_str(), name,
+                kMostSettingsBytes / 1024);
   }
   const auto read = read_sl1_settings(std::string_view(text).substr(0, filled), settings_);
   if (read) return {};

@@ -16,13 +16,8 @@ bool holds(std::string_view name, std::string_view word) {
   return false;
 }
 
-std::string_view file_of(std::string_view name) {
-  const auto slash = name.rfind('/');
-  return slash == std::string_view::npos ? name : name.substr(slash + 1);
-}
-
 /// macOS adds a second, hidden file for each.
-bool is_picture(std::string_view name) { return has_ending(name, ".png") && !file_of(name).starts_with('.'); }
+bool is_picture(std::string_view name) { return has_ending(name, ".png") && !file_of_entry(name).starts_with('.'); }
 
 std::optional<std::uint64_t> last_number(std::string_view name) {
   constexpr std::string_view kDigits = "0123456789";
@@ -37,13 +32,18 @@ std::optional<std::uint64_t> last_number(std::string_view name) {
 
 }  // namespace
 
+std::string_view file_of_entry(std::string_view name) {
+  const auto slash = name.find_last_of("/\\");
+  return slash == std::string_view::npos ? name : name.substr(slash + 1);
+}
+
 bool is_thumbnail(std::string_view name) {
   return is_picture(name) && (holds(name, "thumbnail") || holds(name, "preview"));
 }
 
 std::optional<std::uint64_t> number_of_layer(std::string_view name) {
   if (!is_picture(name) || is_thumbnail(name)) return std::nullopt;
-  const auto file = file_of(name);
+  const auto file = file_of_entry(name);
   return last_number(file.substr(0, file.size() - 4));
 }
 

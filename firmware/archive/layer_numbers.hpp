@@ -10,6 +10,9 @@
 
 namespace plumbline {
 
+/// The name of an archive's entry without the folders before it. Some programs for Windows write backslashes between them.
+std::string_view file_of_entry(std::string_view name);
+
 /// Whether a PNG file is the slicer's picture of the print.
 /// @param name  with the folders before it
 bool is_thumbnail(std::string_view name);

@@ -75,7 +75,7 @@ Status read_sl1_settings(std::string_view text, Sl1Settings& settings) {
     if (equals == std::string_view::npos) continue;
     const auto key = trimmed(line.substr(0, equals));
     const auto value = trimmed(line.substr(equals + 1));
-    if (key == "display_orientation") settings.portrait = value == "portrait";
+    if (key == "display_orientation") settings.portrait = same_word(value, "portrait");
     const auto* const rule =
         std::find_if(std::begin(rules), std::end(rules), [key](const Rule& r) { return r.key == key; });
     if (rule == std::end(rules) || *rule->to) continue;

@@ -26,13 +26,26 @@ void threshold(std::span<const unsigned char> line, std::uint32_t columns, std::
   }
 }
 
+/// Whether a level that lies on black with an opacity is in the upper half. Both have 8 bits, or are the upper 8 of 16.
+bool shows(unsigned level, unsigned opacity) { return level * opacity >= 128U * 255U; }
+
+/// The same of grey with opacity.
+void threshold_grey_with_opacity(std::span<const unsigned char> line, std::uint32_t columns, std::size_t step,
+                                 std::span<std::uint64_t> bits) {
+  std::fill(bits.begin(), bits.end(), 0);
+  for (std::uint32_t column = 0; column < columns; ++column) {
+    const unsigned char* const at = &line[step * column];
+    bits[column / 64] |= std::uint64_t{shows(at[0], at[step / 2]) ? 1U : 0U} << (column % 64);
+  }
+}
+
 /// The same of colours: red, green, blue and opacity, 8 bits each.
 void threshold_colours(std::span<const unsigned char> line, std::uint32_t columns, std::span<std::uint64_t> bits) {
   std::fill(bits.begin(), bits.end(), 0);
   for (std::uint32_t column = 0; column < columns; ++column) {
     const unsigned char* const at = &line[std::size_t{4} * column];
     const unsigned luma = 299U * at[0] + 587U * at[1] + 114U * at[2];
-    bits[column / 64] |= std::uint64_t{luma >= 128'000U ? 1U : 0U} << (column % 64);
+    bits[column / 64] |= std::uint64_t{luma * at[3] >= 128'000U * 255U ? 1U : 0U} << (column % 64);
   }
 }
 
@@ -90,9 +103,11 @@ Status decode_turned_mask(PngBytes bytes, std::uint64_t most_bytes, const MaskTu
     if (header->is_interlaced) std::memset(line.get(), 0, line_bytes);
     const auto row = file.next({line.get(), line_bytes});
     PLUMBLINE_TRY(row);
-    if (header->is_grey) {
-      threshold({line.get(), line_bytes}, columns, header->depth, header->channels * header->depth / 8,
-                {bits.get(), words});
+    if (header->is_grey && header->channels == 2) {
+      threshold_grey_with_opacity({line.get(), line_bytes}, columns, header->depth / std::size_t{4},
+                                  {bits.get(), words});
+    } else if (header->is_grey) {
+      threshold({line.get(), line_bytes}, columns, header->depth, header->depth / std::size_t{8}, {bits.get(), words});
     } else {
       threshold_colours({line.get(), line_bytes}, columns, {bits.get(), words});
     }

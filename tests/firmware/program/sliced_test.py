@@ -145,6 +145,34 @@ class Printed(Sliced):
                 hashes = [line["mask_hash"] for line in exposures(self.report)]
         self.assertEqual([line["mask_hash"] for line in exposures(self.report)], hashes)
 
+    def test_transparent_pixels_are_black(self):
+        clear, white = b"\xff\xff\xff\0", b"\xff\xff\xff\xff"
+        layer = png(1440, 2560, (b"\0" + clear * 500 + white * 300 + clear * 640) * 2560, colour=6)
+        grey = png(1440, 2560, (b"\0" + bytes(500) + b"\xff" * 300 + bytes(640)) * 2560)
+        volumes = [json.loads(self.run_it("check", self.pack({"1.png": body}), "--printer", SIM2K, "--json").stdout)["volume_ml"]
+                   for body in (layer, grey)]
+        self.assertEqual(volumes[0], volumes[1])
+
+    def test_packed_folder_is_the_same_print(self):
+        ini = "exposure_time = 2.25\ninitial_exposure_time = 6\nfaded_layers = 0\nlayer_height = 0.05\n"
+        layers = {f"a{k}.png": square(100, island=20) for k in range(4)}
+        plain = self.pack({"prusaslicer.ini": ini, **layers}, name="plain.sl1")
+        masks = []
+        for slash in "/\\":
+            part = self.pack({f"job{slash}{name}": body for name, body in {"prusaslicer.ini": ini, **layers}.items()}, name="packed.sl1")
+            for path in (plain, part):
+                self.print_it(path)
+                masks.append([(line["mask_hash"], line["asked_s"]) for line in exposures(self.report)])
+        self.assertEqual(masks[1:], masks[:1] * 3)
+
+    def test_doubtful_settings_are_refused(self):
+        layer, ini = square(), "exposure_time = 2\n"
+        for files, words in (
+            ({"a/config.ini": ini, "b/config.ini": ini}, "has two files config.ini. Pack one print into one archive"),
+            ({"config.ini": "# note\n" * 10_000 + ini}, "config.ini has more than 64 KiB. Export it again"),
+        ):
+            self.assertIn(f"part.sl1: {words}", self.print_it(self.pack({**files, "1.png": layer}, name="part.sl1"), status=1).stderr)
+
     def test_part_is_kept_and_compared(self):
         self.make_part()
         self.print_it(self.part, "--keep-part", self.out)
