@@ -373,6 +373,18 @@ class FromAStick(Sliced):
         self.assertEqual((report["state"], report["scan"]), ("finished", "part.sl1"))
         self.assertEqual([line["mask_hash"] for line in report["exposures"]][-15:], hashes[-15:])
 
+    def test_pulled_or_broken_while_it_is_copied(self):
+        self.make_part()
+        self.put_stick(self.part)
+        for words, *faults in (("PL-107, stick pulled: part.sl1: the stick was pulled", "stick.slow@t=0s,by=0.001", "stick.pulled@t=0.05s,for=99s"),
+                               ("PL-101, scan can't be read: part.sl1: the stick has bad sectors", "stick.bad_sector@t=0s")):
+            daemon = self.start(*(word for fault in faults for word in ("--fault", fault)))
+            self.assertNotIn("may be pulled", self.until(daemon, words))
+            daemon.kill()
+            daemon.wait()
+            for name in ("archive", "archive.new", "job"):
+                self.assertFalse((self.state / name).exists(), name)
+
     def pictures_of(self, part):
         """Prints it. @returns the state's numbers of pictures while it prints"""
         self.put_stick(part)
