@@ -74,6 +74,10 @@ struct StickListing final : StickMount::FileVisitor {
   }
   void on_folder(std::string_view name) override {
     if (in_lower_case(name) == kJobFile || is_scan_name(name)) return on_other(name, "a folder");
+    if (const ForeignFormat* const foreign = foreign_format(name)) {  // a scan of FARO's is a folder
+      if (!scans.foreign) scans.foreign = about_foreign(name, *foreign);
+      return;
+    }
     if (is_systems_folder(name)) return;
     folders.emplace(name);
     if (folders.size() > StickScans::kMostFolders) folders.erase(std::prev(folders.end()));
@@ -103,7 +107,9 @@ struct FolderListing final : StickMount::FileVisitor {
     if (in_lower_case(name) == kJobFile) job_file = name;
   }
   void on_folder(std::string_view name) override {
-    if (!is_systems_folder(name)) folders.emplace(name);
+    const bool is_foreign = foreign_format(name) != nullptr;
+    if (is_foreign && (foreign.empty() || name < foreign)) foreign = name;
+    if (!is_foreign && !is_systems_folder(name)) folders.emplace(name);
   }
   void on_other(std::string_view /*name*/, const char* /*what*/) override {}
 

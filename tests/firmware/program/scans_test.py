@@ -168,6 +168,10 @@ class Scans(StatePrinter):
         fault = user.state("fault", "seen")["fault"]
         self.assertEqual(fault["message"], "bust/scans/1.fls is a scan that is not read (FARO)")
         self.assertEqual(fault["told"], {"code": "foreign_scan", "values": {}, "name": "bust/scans/1.fls"})
+        user.do("seen")
+        self.pull(user)
+        self.put_folder("bust/Scan001.fls", {"Main": b"a scan of FARO's is a folder"})
+        self.assertEqual(user.state("fault", "seen")["fault"]["message"], "bust/Scan001.fls is a scan that is not read (FARO)")
 
     def test_series_too_long_for_a_scan_is_refused_in_words(self):
         _, user = self.start(speedup=1e4)

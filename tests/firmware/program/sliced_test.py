@@ -374,9 +374,8 @@ class FromAStick(Sliced):
         self.assertEqual([line["mask_hash"] for line in report["exposures"]][-15:], hashes[-15:])
 
     def test_pulled_or_broken_while_it_is_copied(self):
-        self.make_part()
-        self.put_stick(self.part)
-        for words, *faults in (("PL-107, stick pulled: part.sl1: the stick was pulled", "stick.slow@t=0s,by=0.001", "stick.pulled@t=0.05s,for=99s"),
+        self.put_stick(self.pack({"1.png": square(), "notes": os.urandom(3_000_000)}, name="part.sl1"))
+        for words, *faults in (("PL-107, stick pulled: part.sl1: the stick was pulled", "stick.slow@t=0s,by=0.01", "stick.pulled@t=0.5s,for=99s"),
                                ("PL-101, scan can't be read: part.sl1: the stick has bad sectors", "stick.bad_sector@t=0s")):
             daemon = self.start(*(word for fault in faults for word in ("--fault", fault)))
             self.assertNotIn("may be pulled", self.until(daemon, words))
