@@ -1,5 +1,6 @@
 #include "slicer/reader/stream/number.hpp"
 
+#include <array>
 #include <charconv>
 #include <limits>
 
@@ -53,9 +54,66 @@ const char* parse_microsoft_nan(const char* first, const char* last) {
   return nullptr;
 }
 
+/// Those powers of ten that are doubles.
+constexpr std::array<double, 23> kPowers = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                            1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+/// Parses what most numbers of a file are: so few digits, and so small a power of ten, that both are exact as doubles and the value is
+/// rounded once (Clinger 1990). Takes a quarter of the instructions of std::from_chars.
+/// @returns the byte after the number; nullptr if it is none of these, or none at all
+const char* parse_short(const char* first, const char* last, double& value) {
+  constexpr std::ptrdiff_t kMostPower = kPowers.size() - 1;
+  constexpr std::ptrdiff_t kMostDigits = 18;  // 10^18 is below 2^63
+  constexpr std::int64_t kLargest = std::int64_t{1} << 53U;
+  const char* p = first;
+  // Digits of a number that is too long overflow; it is left to others afterwards.
+  const auto take_digits = [&p, last](std::uint64_t number) {
+    const char* at = p;
+    for (; at != last; ++at) {
+      const unsigned digit = static_cast<unsigned char>(*at) - unsigned{'0'};
+      if (digit > 9) break;
+      number = number * 10 + digit;
+    }
+    p = at;
+    return number;
+  };
+  const bool is_negative = p != last && *p == '-';
+  if (is_negative) ++p;
+  const char* begin = p;
+  std::uint64_t digits = take_digits(0);
+  std::ptrdiff_t count = p - begin;
+  if (count == 0) return nullptr;
+  std::ptrdiff_t power = 0;
+  if (p != last && *p == '.') {
+    begin = ++p;
+    digits = take_digits(digits);
+    power = begin - p;
+    if (power == 0) return nullptr;
+    count -= power;
+  }
+  const auto whole = static_cast<std::int64_t>(digits);
+  if (count > kMostDigits || whole > kLargest) return nullptr;
+  if (p != last && (*p == 'e' || *p == 'E')) {
+    ++p;
+    const bool is_small = p != last && *p == '-';
+    if (p != last && (*p == '-' || *p == '+')) ++p;
+    begin = p;
+    const auto exponent = static_cast<std::ptrdiff_t>(take_digits(0));
+    if (p == begin || p - begin > 3) return nullptr;
+    power += is_small ? -exponent : exponent;
+  }
+  if (power < -kMostPower || power > kMostPower) return nullptr;
+  if (p != last && *p == '#') return nullptr;
+  const double size = power < 0 ? static_cast<double>(whole) / kPowers[static_cast<std::size_t>(-power)]
+                                : static_cast<double>(whole) * kPowers[static_cast<std::size_t>(power)];
+  value = is_negative ? -size : size;
+  return p;
+}
+
 }  // namespace
 
 const char* parse_real(const char* first, const char* last, double& value) {
+  if (const char* const stop = parse_short(first, last, value)) return stop;
   if (first != last && *first == '+') {
     ++first;
     if (first != last && *first == '-') return nullptr;

@@ -3,16 +3,6 @@
 #include <algorithm>
 
 namespace plumbline {
-namespace {
-
-constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-}  // namespace
-
-bool same_word(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
-}
-
 bool has_ending(std::string_view name, std::string_view ending) {
   return name.size() >= ending.size() && same_word(name.substr(name.size() - ending.size()), ending);
 }

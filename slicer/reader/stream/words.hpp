@@ -52,8 +52,16 @@ class LineWords {
   const Separators* separators_;
 };
 
+constexpr char lower_letter(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
 /// Whether two words are equal, ignoring the case of ASCII letters.
-bool same_word(std::string_view a, std::string_view b);
+inline bool same_word(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (lower_letter(a[i]) != lower_letter(b[i])) return false;
+  }
+  return true;
+}
 
 /// Whether `name` ends with `ending`, ignoring case: "BUST.PLY" ends with ".ply".
 bool has_ending(std::string_view name, std::string_view ending);

@@ -112,14 +112,38 @@ class AsciiReader {
     }
     LineWords words(line.text);
     for (auto keyword = words.next(); !keyword.empty(); keyword = words.next()) {
-      if (same_word(keyword, "solid")) return {};  // what follows is its name
-      if (same_word(keyword, "vertex")) {
-        PLUMBLINE_TRY(add_corner(line, words));
-      } else if (same_word(keyword, "facet") || same_word(keyword, "endfacet") || same_word(keyword, "endsolid")) {
-        PLUMBLINE_TRY(end_facet(in_facet_ || same_word(keyword, "endfacet")));
-        in_facet_ = same_word(keyword, "facet");
-        open_ = !same_word(keyword, "endsolid");
-        if (!open_) return {};
+      // Most words are numbers of a normal.
+      switch (keyword.front()) {
+        case 's':
+        case 'S':
+          if (same_word(keyword, "solid")) return {};  // what follows is its name
+          break;
+        case 'v':
+        case 'V':
+          if (same_word(keyword, "vertex")) PLUMBLINE_TRY(add_corner(line, words));
+          break;
+        case 'o':
+        case 'O':
+          if (corners_ % 3 != 0 && same_word(keyword, "outer")) return fail_corners();
+          break;
+        case 'f':
+        case 'F':
+        case 'e':
+        case 'E': {
+          const bool begins = same_word(keyword, "facet");
+          const bool ends = same_word(keyword, "endfacet");
+          const bool is_last = same_word(keyword, "endsolid");
+          if (!begins && !ends && !is_last) {
+            if (corners_ < 3 && same_word(keyword, "endloop")) return fail_corners();
+            break;
+          }
+          PLUMBLINE_TRY(end_facet(in_facet_ || ends));
+          in_facet_ = begins;
+          open_ = !is_last;
+          if (is_last) return {};
+          break;
+        }
+        default: break;
       }
     }
     return {};
@@ -156,14 +180,16 @@ class AsciiReader {
   /// @param begun  without corners, lines of the facet are lost
   Status end_facet(bool begun) {
     if (corners_ == 0 && !begun) return {};
-    if (corners_ < 3) {
-      return lines_.input().fail(ErrorCode::kMalformed,
-                                 "line %llu: a facet has %zu corners, not three;\texport the file again", number(),
-                                 corners_);
-    }
+    if (corners_ < 3) return fail_corners();
     corners_ = 0;
     ++batch_.summary().faces;
     return batch_.add(triangle_);
+  }
+
+  tl::unexpected<Error> fail_corners() const {
+    return lines_.input().fail(ErrorCode::kMalformed,
+                               "line %llu: a facet has %zu corner%s, not three;\texport the file again", number(),
+                               corners_, plural_s(corners_));
   }
 
   LineInput lines_;

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <random>
 #include <string>
@@ -52,6 +54,26 @@ TEST(ParseReal, AgreesWithTheCLibraryOnRandomNumbers) {
     std::snprintf(text, sizeof text, "%.*g", static_cast<int>(random() % 20) + 1, value);
     EXPECT_EQ(parse(text), std::strtod(text, nullptr)) << text;
   }
+}
+
+TEST(ParseReal, RoundsNumbersOfAnyLengthOnce) {
+  std::mt19937_64 random(2);
+  const auto digits = [&](std::uint64_t most) {
+    std::string text;
+    for (std::uint64_t left = random() % most + 1; left > 0; --left) text += static_cast<char>('0' + random() % 10);
+    return text;
+  };
+  for (int i = 0; i < 50000; ++i) {
+    std::string text = (random() % 2 == 0 ? "-" : "") + digits(12);
+    if (random() % 4 != 0) text += "." + digits(12);
+    if (random() % 2 != 0) text += (random() % 2 == 0 ? "e-" : "E") + std::to_string(random() % 30);
+    const auto value = parse(text);
+    ASSERT_TRUE(value.has_value()) << text;
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(*value), std::bit_cast<std::uint64_t>(std::strtod(text.c_str(), nullptr)))
+        << text;
+  }
+  EXPECT_EQ(parse("9007199254740993"), 9007199254740992.0);
+  EXPECT_TRUE(std::signbit(*parse("-0.00")));
 }
 
 TEST(ParseReal, OverflowGivesInfinityAndUnderflowZero) {
