@@ -117,6 +117,11 @@ class Inspect(Program):
             cat.wait()
         self.assertRegex(done.stdout, r"scanned    (99\.\d|100\.0) % of the surface; closed: underside 0\.0 %")
 
+    def test_reports_a_mesh_that_is_smaller_than_any_pixel(self):
+        mesh = self.dir / "tiny.obj"
+        mesh.write_text("v 0 0 0\nv 1e-9 0 0\nv 0 1e-9 0\nv 0 0 1e-9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+        self.assertIn("4 triangles", self.run_it("inspect", mesh, "--printer", self.board).stdout)
+
     def test_says_that_normals_are_missing(self):
         write_sphere(self.scan, normals=False)
         told = json.loads(self.run_it("inspect", self.scan, "--json").stdout)
