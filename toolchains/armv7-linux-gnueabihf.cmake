@@ -8,6 +8,6 @@ include(${CMAKE_CURRENT_LIST_DIR}/debian_sysroot.cmake)
 # is so large. The 64-bit builds keep these warnings.
 set(CMAKE_CXX_FLAGS_INIT "-Wno-psabi -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds -Wno-restrict")
 # Debian 12's cross compiler fills the memory when it reads the precompiled headers of the tests.
-set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+set(PLUMBLINE_PRECOMPILE_TESTS OFF)
 # ctest runs the tests under this.
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-arm;-L;${PLUMBLINE_SYSROOT})
