@@ -39,18 +39,20 @@ class MeshStages {
   }
 
   Expected<CrossingStore> run() {
-    PLUMBLINE_TRY(
-        admit_mesh(need_of(*report_.mesh, report_.placement), settings_.threads, arena_, report_.planned_bytes));
+    PLUMBLINE_TRY(admit());
     constexpr auto kReading = static_cast<std::size_t>(Stage::kRead);
     report_.planned_bytes[kReading] = report_.peak_bytes[kReading];  // it has been read, with room for more vertices
     PLUMBLINE_TRY(find_hits());
-    const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     bool whole = report_.mesh->closed || report_.mesh->turned;
+    if (whole) files_.drop_copy(arena_);
+    const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     double done = 0;
     if (!whole) {
       const auto holes =
           close_holes(files_, survey_, grid(), transform_, hits_, arena_, {progress_, Stage::kRays, 0, kHolesClosed});
       PLUMBLINE_TRY(holes);
+      files_.drop_copy(arena_);  // so that it takes no room from what else is read: that would change the cells
+      arena_.reset_peak();
       report_.mesh->closed_holes = holes->holes;
       rim_ = holes->rim;
       caps_ = holes->caps;
@@ -81,6 +83,17 @@ class MeshStages {
   static constexpr double kFieldBuilt = 0.7;
 
   const PrintGrid& grid() const { return report_.placement.grid; }
+
+  /// Refuses a mesh that has no room, without its copy if need be.
+  Status admit() {
+    MeshNeed need = need_of(*report_.mesh, report_.placement);
+    const MeshNeed without_copy = need;
+    need.most_vertices = files_.vertices_kept(need.most_vertices);
+    need.copied_bytes = files_.copied_bytes();
+    if (admit_mesh(need, settings_.threads, arena_, report_.planned_bytes)) return {};
+    files_.drop_copy(arena_);
+    return admit_mesh(without_copy, settings_.threads, arena_, report_.planned_bytes);
+  }
 
   Status find_hits() {
     const StageScope stage(Stage::kRayGrid, arena_, progress_, report_.peak_bytes);
@@ -237,6 +250,7 @@ Expected<std::optional<MeshSurvey>> survey_mesh(MeshFiles& files, const SliceSet
   report.mesh.reset();
   report.scans = {};
   report.scan = {};
+  files.drop_copy(arena);
   PLUMBLINE_TRY(files.rewind());
   return std::nullopt;
 }

@@ -245,6 +245,7 @@ Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena
   const ArenaScope all(arena);
   const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources) -> Status {
     const auto cloud = mesh_cloud(files, survey, arena, progress, report);
+    files.drop_copy(arena);
     PLUMBLINE_TRY(cloud);
     PreparedScan prepared;
     prepared.cloud = *cloud;

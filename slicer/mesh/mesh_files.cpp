@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <string_view>
 
 #include "slicer/reader/formats/format_probe.hpp"
@@ -60,6 +61,22 @@ Expected<MeshHint> MeshFiles::hint(std::span<std::byte> workspace) {
 Status MeshFiles::keep_all(Arena& arena) {
   for (std::size_t i = 0; i < count_; ++i) PLUMBLINE_TRY(files_[i]->keep_all(arena));
   return {};
+}
+
+Status MeshFiles::keep(const ModelCopy& copy, Arena& arena) {
+  copy_begin_ = arena.bottom_mark();
+  const auto bytes = copy.bytes();
+  const auto place = arena.take_bottom<std::byte>(bytes.size(), "mesh");
+  PLUMBLINE_TRY(place);
+  std::memmove(place->data(), bytes.data(), bytes.size());
+  copy_end_ = arena.bottom_mark();
+  copy_.emplace(copy).move_to(*place);
+  return {};
+}
+
+void MeshFiles::drop_copy(Arena& arena) {
+  if (copy_ && arena.bottom_mark() == copy_end_) arena.release_bottom(copy_begin_);
+  copy_.reset();
 }
 
 Status MeshFiles::rewind() {

@@ -35,19 +35,41 @@ class MeshFiles {
   /// Makes sure that all files can be read several times.
   [[nodiscard]] Status keep_all(Arena& arena);
 
-  /// Reads all files from start to end.
+  /// Reads all files from start to end, or the copy of the only one.
   /// @param each  called after each file
   template <class Each>
   [[nodiscard]] Status read(TriangleSink& sink, VertexList& vertices, std::span<std::byte> workspace, Each each) {
+    ModelCopy none({});
+    return read(sink, vertices, workspace, each, none);
+  }
+  /// The same.
+  /// @param copy  read_mesh() makes it
+  template <class Each>
+  [[nodiscard]] Status read(TriangleSink& sink, VertexList& vertices, std::span<std::byte> workspace, Each each,
+                            ModelCopy& copy) {
     for (std::size_t i = 0; i < count_; ++i) {
-      PLUMBLINE_TRY(files_[i]->rewind());
+      if (!copy_) PLUMBLINE_TRY(files_[i]->rewind());
       file_ = i;
-      const auto summary = read_mesh(*files_[i], sink, vertices, workspace);
+      const auto summary =
+          copy_ ? read_mesh(*copy_, sink, workspace) : read_mesh(*files_[i], sink, vertices, workspace, copy);
       PLUMBLINE_TRY(summary);
       each(*summary);
     }
     return {};
   }
+
+  /// After hint(): whether the next reading is worth a copy. Of several files none is copied.
+  bool wants_copy() const { return !copy_ && count_ == 1 && packed_ == 1; }
+  /// From now on the copy is read instead of the file.
+  /// @param copy   finished; its bytes may lie in what was given back to the bottom of the arena
+  /// @param arena  takes the bytes to its bottom
+  [[nodiscard]] Status keep(const ModelCopy& copy, Arena& arena);
+  std::size_t copied_bytes() const { return copy_ ? copy_end_ - copy_begin_ : 0; }  ///< of the arena
+  /// The file is read again from now on. Gives the memory back unless something was taken since.
+  void drop_copy(Arena& arena);
+  /// How many vertices the next reading has to keep.
+  /// @param most  that it keeps without a copy
+  std::uint64_t vertices_kept(std::uint64_t most) const { return copy_ ? 0 : most; }
 
   /// Goes back to the beginning of all files.
   [[nodiscard]] Status rewind();
@@ -70,6 +92,9 @@ class MeshFiles {
   std::size_t file_ = 0;    ///< that is read
   std::size_t packed_ = 0;  ///< how many are MeshHint::kPackedMesh
   std::array<std::optional<RereadSource>, kMostScans> files_;
+  std::optional<ModelCopy> copy_;  ///< of the only file
+  std::size_t copy_begin_ = 0;     ///< marks of the arena's bottom
+  std::size_t copy_end_ = 0;
 };
 
 }  // namespace plumbline

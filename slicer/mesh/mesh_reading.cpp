@@ -145,13 +145,16 @@ ScanSummary as_scan(const MeshSummary& mesh) {
 }
 
 Expected<SurveyedMesh> survey(MeshFiles& files, const Mat3d& rotation, std::optional<std::uint64_t> most_vertices,
-                              Arena& arena, const StageProgress& progress) {
+                              Arena& arena, const StageProgress& progress, ModelCopy& copy) {
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
   const std::uint64_t room = VertexList::most_in(arena.available());
-  const std::uint64_t most = most_vertices.value_or(files.largest().value_or(room) / kShortestVertex + 1);
+  const auto largest = files.largest();
+  const std::uint64_t most =
+      files.vertices_kept(most_vertices.value_or(largest ? *largest / kShortestVertex + 1 : room));
   auto vertices = VertexList::create(std::min(room, most), arena);
   PLUMBLINE_TRY(vertices);
+  if (files.wants_copy()) copy = ModelCopy(vertices->room());
   SurveySink sink(files, progress, rotation);
   SurveyedMesh found;
   const auto each = [&](const MeshSummary& mesh) {
@@ -162,7 +165,7 @@ Expected<SurveyedMesh> survey(MeshFiles& files, const Mat3d& rotation, std::opti
     found.counts.not_finite += mesh.not_finite;
     found.counts.vertices += mesh.vertices;
   };
-  PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, each));
+  PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, each, copy));
   found.survey = sink.surveyor.survey();
   found.counts.most_vertices = found.survey.most_vertices;
   found.counts.seen_area = found.survey.seen_area;
@@ -173,7 +176,7 @@ Expected<MeshHits> hit(MeshFiles& files, const MeshSurvey& survey, const PrintGr
                        const MeshTransform& transform, Arena& arena, const StageProgress& progress) {
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
-  auto vertices = VertexList::create(survey.most_vertices, arena);
+  auto vertices = VertexList::create(files.vertices_kept(survey.most_vertices), arena);
   PLUMBLINE_TRY(vertices);
   auto hits = HitList::create(grid, arena);
   PLUMBLINE_TRY(hits);
@@ -197,7 +200,7 @@ Expected<ClosedHoles> find_and_close_holes(MeshFiles& files, const MeshSurvey& s
                                            const StageProgress& progress) {
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
-  auto vertices = VertexList::create(survey.most_vertices, arena);
+  auto vertices = VertexList::create(files.vertices_kept(survey.most_vertices), arena);
   PLUMBLINE_TRY(vertices);
   auto edges = OpenEdges::create(arena);
   PLUMBLINE_TRY(edges);
@@ -240,7 +243,7 @@ Expected<ReadDipoles> add_up(MeshFiles& files, std::uint64_t most_vertices, cons
                              const StageProgress& progress) {
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
-  auto vertices = VertexList::create(most_vertices, arena);
+  auto vertices = VertexList::create(files.vertices_kept(most_vertices), arena);
   PLUMBLINE_TRY(vertices);
   auto dipoles = MeshDipoles::create(surface.box, surface.area, arena);
   PLUMBLINE_TRY(dipoles);
@@ -261,8 +264,10 @@ Expected<ReadDipoles> add_up(MeshFiles& files, std::uint64_t most_vertices, cons
 Expected<SurveyedMesh> read_survey(MeshFiles& files, const Mat3d& rotation, std::optional<std::uint64_t> most_vertices,
                                    Arena& arena, const StageProgress& progress) {
   const std::size_t bottom = arena.bottom_mark();
-  const auto found = survey(files, rotation, most_vertices, arena, progress);
+  ModelCopy copy({});
+  const auto found = survey(files, rotation, most_vertices, arena, progress, copy);
   arena.release_bottom(bottom);
+  if (found && copy.is_finished()) PLUMBLINE_TRY(files.keep(copy, arena));
   return found;
 }
 

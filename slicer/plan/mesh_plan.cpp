@@ -22,7 +22,7 @@ constexpr double kMostHits = static_cast<double>(std::numeric_limits<std::size_t
 MeshNeed need_of(const MeshCounts& mesh, const Placement& placement) {
   const PrintGrid& grid = placement.grid;
   const double pixel_mm2 = static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm);
-  return {mesh.most_vertices, grid, mesh.seen_area * placement.scale * placement.scale / pixel_mm2};
+  return {mesh.most_vertices, grid, mesh.seen_area * placement.scale * placement.scale / pixel_mm2, 0};
 }
 
 MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
@@ -30,7 +30,7 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   MemoryPlan plan;
   const RayYield yield{need.hits / 2, need.hits};
   const std::size_t hits = Arena::rounded(static_cast<std::size_t>(std::min(need.hits, kMostHits)) * sizeof(PackedHit));
-  const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(need.most_vertices);
+  const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(need.most_vertices) + need.copied_bytes;
   const std::size_t store = store_bytes(grid, yield);
   const std::size_t rrep = rrep_bytes(grid, yield);
   const std::uint32_t struts = most_struts(grid);
@@ -48,10 +48,14 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
 
 Status admit_mesh(const MeshNeed& need, std::uint32_t threads, const Arena& arena,
                   std::array<std::size_t, kStageCount>& planned_bytes) {
-  const auto scaled = [&](double share) { return MeshNeed{need.most_vertices, need.grid, share * need.hits}; };
+  const auto scaled = [&](double share) {
+    MeshNeed part = need;
+    part.hits *= share;
+    return part;
+  };
   planned_bytes = plan_mesh(scaled(1 + kHitsError), threads).bytes;
   const MemoryPlan sure = plan_mesh(scaled(1 - kHitsError), threads);
-  if (sure.peak() <= arena.available()) return {};
+  if (sure.peak() <= arena.available() + need.copied_bytes) return {};
   const auto stage = to_string(sure.widest());
   return telling(
       Told(ToldCode::kMemoryNeeded,

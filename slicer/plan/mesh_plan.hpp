@@ -10,9 +10,11 @@ namespace plumbline {
 
 /// What the first reading of a mesh has found.
 struct MeshNeed {
-  std::uint64_t most_vertices = 0;  ///< of a file
+  std::uint64_t most_vertices = 0;  ///< that a reading keeps
   PrintGrid grid;
   double hits = 0;  ///< of rays and triangles, estimated from the triangles' areas: within 2 % for a large object
+  std::size_t copied_bytes =
+      0;  ///< of the arena, for a copy of the file that is given back after it has been read once more
 };
 
 /// @param mesh  as surveyed

@@ -28,7 +28,7 @@ class XmlAttributes {
   /// @returns empty if there is none of that name
   std::string_view operator[](std::string_view name) const {
     for (const char** at = list_; *at != nullptr; at += 2) {
-      if (name == at[0]) return at[1];
+      if (is(at[0], name)) return at[1];
     }
     return {};
   }
@@ -36,6 +36,14 @@ class XmlAttributes {
   std::string_view any(std::string_view name) const;
 
  private:
+  /// Compares without measuring the text first: a mesh has millions of names of one or two letters.
+  static bool is(const char* text, std::string_view name) {
+    for (const char letter : name) {
+      if (*text++ != letter) return false;
+    }
+    return *text == 0;
+  }
+
   const char** list_;
 };
 

@@ -76,6 +76,25 @@ Expected<MeshHint> hint_of(ByteSource& source, std::span<std::byte> workspace) {
 
 Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexList& vertices,
                                 std::span<std::byte> workspace) {
+  ModelCopy none({});
+  return read_mesh(source, sink, vertices, workspace, none);
+}
+
+Expected<MeshSummary> read_mesh(const ModelCopy& copy, TriangleSink& sink, std::span<std::byte> workspace) {
+  Arena memory(workspace);
+  const auto room = memory.take_bottom<Triangle>(TriangleBatch::kTriangles, "reading the mesh");
+  PLUMBLINE_TRY(room);
+  MeshSummary summary;
+  TriangleBatch batch(sink, *room, summary);
+  PLUMBLINE_TRY(read_3mf_copy(copy, batch, memory));
+  PLUMBLINE_TRY(batch.flush());
+  PLUMBLINE_TRY(batch.report(1));
+  summary.bytes = copy.file_bytes();
+  return summary;
+}
+
+Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexList& vertices,
+                                std::span<std::byte> workspace, ModelCopy& copy) {
   Arena memory(workspace);
   const auto window = memory.take_bottom<std::byte>(kWindow, "reading the mesh");
   PLUMBLINE_TRY(window);
@@ -91,7 +110,7 @@ Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexLi
   switch (*format) {
     case ScanFormat::kStl: PLUMBLINE_TRY(read_stl(input, batch)); break;
     case ScanFormat::kOff: PLUMBLINE_TRY(read_off(input, batch, mesh)); break;
-    case ScanFormat::k3mf: PLUMBLINE_TRY(read_3mf(input, batch, mesh)); break;
+    case ScanFormat::k3mf: PLUMBLINE_TRY(read_3mf(input, batch, mesh, copy)); break;
     case ScanFormat::kPly: PLUMBLINE_TRY(read_ply_mesh(input, batch, mesh)); break;
     case ScanFormat::kObj: PLUMBLINE_TRY(read_obj_mesh(input, batch, mesh)); break;
     case ScanFormat::kXyz:

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "slicer/core/byte_source.hpp"
+#include "slicer/reader/triangles/threemf/model_copy.hpp"
 #include "slicer/reader/triangles/triangle.hpp"
 #include "slicer/reader/triangles/vertex_list.hpp"
 
@@ -32,6 +33,13 @@ enum class MeshHint : std::uint8_t {
 ///         line or face, what was expected and what was found
 /// @retval any error of the source or the sink
 [[nodiscard]] Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexList& vertices,
+                                              std::span<std::byte> workspace);
+/// The same, and copies a 3MF for later readings.
+/// @param copy  may be in the room of the vertices; is_finished() if it was a 3MF for which there is room
+[[nodiscard]] Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexList& vertices,
+                                              std::span<std::byte> workspace, ModelCopy& copy);
+/// The same from a copy that is finished.
+[[nodiscard]] Expected<MeshSummary> read_mesh(const ModelCopy& copy, TriangleSink& sink,
                                               std::span<std::byte> workspace);
 
 }  // namespace plumbline

@@ -38,6 +38,10 @@ class TriangleBatch {
   }
 
   MeshSummary& summary() { return summary_; }
+  /// For what is not read through a ByteInput, which reports by itself.
+  [[nodiscard]] Status report(double fraction) {
+    return sink_.progress(fraction) ? Status() : Status(fail(ErrorCode::kCancelled, "reading was cancelled"));
+  }
 
  private:
   /// NaN is not.

@@ -4,6 +4,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/reader/stream/byte_input.hpp"
+#include "slicer/reader/triangles/threemf/model_copy.hpp"
 #include "slicer/reader/triangles/triangle_batch.hpp"
 #include "slicer/reader/triangles/vertex_list.hpp"
 
@@ -29,9 +30,12 @@ struct MeshRoom {
 [[nodiscard]] Status read_off(ByteInput& input, TriangleBatch& batch, const MeshRoom& room);
 
 /// 3D Manufacturing Format: the objects that the build places, in mm. Supports and modifiers are left out. Reads the input twice, since the
-/// build comes after the meshes.
+/// build comes after the meshes, unless `copy` has room for these.
+/// @param copy  is_finished() then; may be in the room of the vertices
 /// @retval ErrorCode::kUnsupported  encrypted, packed other than by deflate, or it needs an extension that changes its shape
-[[nodiscard]] Status read_3mf(ByteInput& input, TriangleBatch& batch, const MeshRoom& room);
+[[nodiscard]] Status read_3mf(ByteInput& input, TriangleBatch& batch, const MeshRoom& room, ModelCopy& copy);
+/// The same from the copy.
+[[nodiscard]] Status read_3mf_copy(const ModelCopy& copy, TriangleBatch& batch, Arena& memory);
 
 /// Adds the vertices of an object to the counts, and clears them.
 void count_vertices(VertexList& vertices, MeshSummary& summary);

@@ -37,8 +37,10 @@ void VertexList::clear() {
   used_ = 0;
 }
 
-void VertexList::set_origin(const Vec3d& p) {
-  for (int axis = 0; axis < 3; ++axis) origin_[axis] = std::abs(p[axis]) <= kLargestOffset ? p[axis] : 0;
+Vec3d VertexList::origin_at(const Vec3d& p) {
+  Vec3d origin = Vec3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) origin[axis] = std::abs(p[axis]) <= kLargestOffset ? p[axis] : 0;
+  return origin;
 }
 
 }  // namespace plumbline

@@ -37,11 +37,19 @@ class VertexList {
   /// @returns false if the list is full
   [[nodiscard]] bool add(const Vec3d& p) {
     if (size_ == positions_.size()) return false;
-    if (size_ == 0) set_origin(p);
+    if (size_ == 0) origin_ = origin_at(p);
     if (size_ % 64 == 0) bits_[size_ / 64] = 0;
-    positions_[size_++] = {offset(p[0] - origin_[0]), offset(p[1] - origin_[1]), offset(p[2] - origin_[2])};
+    positions_[size_++] = offset_from(origin_, p);
     return true;
   }
+  /// The origin of a list whose first vertex is p, and another vertex as an offset from it.
+  static Vec3d origin_at(const Vec3d& p);
+  static Vec3f offset_from(const Vec3d& origin, const Vec3d& p) {
+    return {offset(p[0] - origin[0]), offset(p[1] - origin[1]), offset(p[2] - origin[2])};
+  }
+  /// Most of its memory, for other use until the first vertex is added.
+  std::span<std::byte> room() { return std::as_writable_bytes(positions_); }
+
   /// @param i  below size()
   Vec3d at(std::uint64_t i) const { return positions_[static_cast<std::size_t>(i)].cast<double>() + origin_; }
   /// Notes that a face uses vertex i.
@@ -58,7 +66,6 @@ class VertexList {
   static float offset(double d) {
     return std::abs(d) <= kLargestOffset ? static_cast<float>(d) : std::numeric_limits<float>::infinity();
   }
-  void set_origin(const Vec3d& p);
 
   std::span<Vec3f> positions_;
   std::span<std::uint64_t> bits_;

@@ -201,6 +201,23 @@ TEST(SliceMesh, ThePlanHoldsWhatEveryStageTakes) {
   }
 }
 
+TEST(SliceMesh, A3mfIsReadOnceUnlessItsCopyLeavesTooLittleRoomForTheHits) {
+  const TestMesh ball = ball_mesh({0, 0, 8}, 8, 5);
+  std::string points;
+  for (int i = 0; i < 225'000; ++i) points += "<vertex x=\"1\" y=\"1\" z=\"1\"/>";
+  const std::string beside = "<object id=\"2\"><mesh><vertices>" + points + "</vertices></mesh></object>";
+  const std::string bytes = threemf_with(
+      model_of("<resources>" + object_of(ball, 1, "") + beside + "</resources><build><item objectid=\"1\"/></build>"));
+  const SliceSettings settings = settings_with_pitch(0.1F);
+  MemorySource source(bytes, "ball.3mf");
+  const Slicing once(static_cast<ByteSource&>(source), settings, kArena);
+  EXPECT_EQ(source.rewound, 3);  // before its first byte is parsed, see above
+  MemorySource again(bytes, "ball.3mf");
+  const Slicing thrice(static_cast<ByteSource&>(again), settings, 3480 * 1024);
+  EXPECT_EQ(again.rewound, 5);  // and for two passes
+  EXPECT_TRUE(same_rrep(once.rrep(), thrice.rrep()));
+}
+
 TEST(SliceMesh, ThePlanHoldsTheImagesOfAPanelThatIsMuchLargerThanTheMesh) {
   SliceSettings settings = settings_with_pitch(0.1F);
   settings.placement.printer = PrinterVolume{1440, 2560, 0.1F, 0.1F, 60};

@@ -48,11 +48,18 @@ std::uint64_t part_key(std::string_view path) {
 Expected<ModelParts> ModelParts::create(Arena& memory) {
   const auto places = memory.take_bottom<Place>(kMostPlaces, kStage);
   PLUMBLINE_TRY(places);
-  const auto instances = memory.take_bottom<Affine>(kMostInstances, kStage);
-  PLUMBLINE_TRY(instances);
+  auto parts = of(*places, part_key("3D/3dmodel.model"), memory);
+  PLUMBLINE_TRY(parts);
+  parts->size_ = 0;
+  return parts;
+}
+
+Expected<ModelParts> ModelParts::of(std::span<Place> places, std::uint64_t root, Arena& memory) {
   ModelParts parts;
-  parts.places_ = *places;
-  parts.instances_ = *instances;
+  parts.places_ = places;
+  parts.size_ = places.size();
+  parts.root_ = root;
+  PLUMBLINE_TRY(memory.take_bottom(parts.instances_, kMostInstances, kStage));
   return parts;
 }
 
@@ -70,6 +77,10 @@ bool ModelParts::declare(const ObjectKey& object) {
     place.declared = true;
   }
   return true;
+}
+
+void ModelParts::forget_declared() {
+  for (Place& place : places_.first(size_)) place.declared = place.in_declared = false;
 }
 
 bool ModelParts::places_anything() const {

@@ -46,7 +46,20 @@ class ModelParts {
 
   enum class Found : std::uint8_t { kAll, kTooMany, kTooDeep };
 
+  struct Place {
+    ObjectKey child;
+    ObjectKey in;
+    Affine place;
+    bool declared;     ///< declare() was called for the child
+    bool in_declared;  ///< and for the object that it is in
+  };
+
   [[nodiscard]] static Expected<ModelParts> create(Arena& memory);
+  /// Those that were found before.
+  /// @param places  of other parts; stay in use
+  [[nodiscard]] static Expected<ModelParts> of(std::span<Place> places, std::uint64_t root, Arena& memory);
+
+  std::span<const Place> places() const { return places_.first(size_); }
 
   /// @param child  the object that stands there
   /// @param in     the object that has it as a component; id 0 if it is an item of that part's build
@@ -60,6 +73,8 @@ class ModelParts {
   /// Notes that the file has this object.
   /// @returns false if it is placed and there was one with the same key before
   [[nodiscard]] bool declare(const ObjectKey& object);
+  /// As if declare() had never been called.
+  void forget_declared();
 
   /// Whether the root's build places an object.
   bool places_anything() const;
@@ -72,14 +87,6 @@ class ModelParts {
   std::span<const Affine> instances() const { return instances_.first(count_); }
 
  private:
-  struct Place {
-    ObjectKey child;
-    ObjectKey in;
-    Affine place;
-    bool declared;     ///< declare() was called for the child
-    bool in_declared;  ///< and for the object that it is in
-  };
-
   Found follow(const ObjectKey& object, const Affine& so_far, std::uint32_t depth);
 
   std::span<Place> places_;
@@ -87,7 +94,7 @@ class ModelParts {
   std::span<Affine> instances_;
   std::size_t count_ = 0;
   std::uint32_t steps_ = 0;
-  std::uint64_t root_ = part_key("3D/3dmodel.model");
+  std::uint64_t root_ = 0;
 };
 
 }  // namespace plumbline

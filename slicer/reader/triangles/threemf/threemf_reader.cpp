@@ -3,6 +3,7 @@
 
 #include "slicer/reader/stream/words.hpp"
 #include "slicer/reader/stream/xml_parser.hpp"
+#include "slicer/reader/triangles/threemf/model_copy.hpp"
 #include "slicer/reader/triangles/threemf/model_parts.hpp"
 #include "slicer/reader/triangles/threemf/zip_parts.hpp"
 #include "slicer/reader/triangles/triangle_formats.hpp"
@@ -12,8 +13,9 @@ namespace {
 
 constexpr const char* kStage = "reading 3MF";
 
-/// Share of the progress that the first pass takes: it finds what stands where, the second one reads the meshes.
+/// Share of the progress that the first pass takes: it finds what stands where. If it also copies the meshes, no second one reads them.
 constexpr double kFirstPass = 0.4;
+constexpr double kOnlyPass = 0.9;
 
 struct Unit {
   std::string_view name;
@@ -142,16 +144,54 @@ class ModelDocument : public XmlHandler {
   ObjectKey object_;
 };
 
-/// The first pass: what stands where.
+/// Parses three attributes.
+/// @returns the first one that is no number, if there is any
+template <class Number>
+std::optional<std::string_view> parse_three(const XmlAttributes& attributes,
+                                            const std::array<std::string_view, 3>& names,
+                                            std::array<Number, 3>& numbers) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto text = attributes[names[i]];
+    if (!parse_number(text, numbers[i])) return text;
+  }
+  return std::nullopt;
+}
+constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
+constexpr std::array<std::string_view, 3> kCorners = {"v1", "v2", "v3"};
+
+/// The first pass: what stands where, and a copy of all meshes.
 class PlaceDocument final : public ModelDocument {
  public:
-  using ModelDocument::ModelDocument;
+  PlaceDocument(std::uint64_t part, ModelParts& parts, ModelCopy& copy) : ModelDocument(part, parts), copy_(copy) {}
 
  private:
+  // What can't be copied is no error here: perhaps it is not printed.
+  void begin_object(const ObjectKey& key, bool printed) override {
+    copy_.begin_object(key, printed);
+    is_solid_ = printed;
+  }
+  void vertex(const XmlAttributes& attributes) override {
+    if (!is_copied()) return;
+    std::array<double, 3> p;
+    if (parse_three(attributes, kAxes, p) || !copy_.add_vertex({p[0], p[1], p[2]})) copy_.give_up();
+  }
+  void triangle(const XmlAttributes& attributes) override {
+    if (!is_copied()) return;
+    std::array<std::uint64_t, 3> corners;
+    if (parse_three(attributes, kCorners, corners) || !copy_.add_triangle(corners)) copy_.give_up();
+  }
+  void beams() override {
+    if (is_copied()) copy_.give_up();
+  }
   void placed(const ObjectKey& child, const ObjectKey& in, const Affine& place) override {
     if (parts().add(child, in, place)) return;
     parser_->complain("more than %zu items and components", ModelParts::kMostPlaces);
   }
+
+  bool is_copied() const { return is_solid_ && copy_.is_whole(); }
+
+  ModelCopy& copy_;
+  bool is_solid_ = false;
 };
 
 /// The second pass: the triangles of each mesh, as often as it is printed.
@@ -182,15 +222,11 @@ class MeshDocument final : public ModelDocument {
 
   void vertex(const XmlAttributes& attributes) override {
     if (!is_printed_) return;
-    Vec3d p;
-    constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto text = attributes[kAxes[axis]];
-      if (!parse_number(text, p[static_cast<int>(axis)])) {
-        return parser_->complain("'%s' is not a coordinate", Quote(text).c_str());
-      }
+    std::array<double, 3> p;
+    if (const auto wrong = parse_three(attributes, kAxes, p)) {
+      return parser_->complain("'%s' is not a coordinate", Quote(*wrong).c_str());
     }
-    if (vertices_.add(p)) return;
+    if (vertices_.add({p[0], p[1], p[2]})) return;
     full_ = true;
     parser_->complain("no room for another vertex");
   }
@@ -202,25 +238,22 @@ class MeshDocument final : public ModelDocument {
   void triangle(const XmlAttributes& attributes) override {
     if (!is_printed_ || !status_) return;
     ++batch_.summary().faces;
-    Triangle corners;
-    constexpr std::array<std::string_view, 3> kCorners = {"v1", "v2", "v3"};
+    std::array<std::uint64_t, 3> corners;
+    const auto wrong = parse_three(attributes, kCorners, corners);
+    const auto is_missing = [&](std::uint64_t corner) { return corner >= vertices_.size(); };
+    const auto missing = std::ranges::find_if(corners, is_missing);
+    if (wrong || missing != corners.end()) {
+      const auto text = wrong ? *wrong : attributes[kCorners[static_cast<std::size_t>(missing - corners.begin())]];
+      return parser_->complain("a triangle names vertex '%s', but there are %llu, numbered from 0", Quote(text).c_str(),
+                               static_cast<unsigned long long>(vertices_.size()));
+    }
+    Triangle t;
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto text = attributes[kCorners[k]];
-      std::uint64_t vertex = 0;
-      if (!parse_number(text, vertex) || vertex >= vertices_.size()) {
-        return parser_->complain("a triangle names vertex '%s', but there are %llu, numbered from 0",
-                                 Quote(text).c_str(), static_cast<unsigned long long>(vertices_.size()));
-      }
-      vertices_.use(vertex);
-      corners[k] = vertices_.at(vertex);
+      vertices_.use(corners[k]);
+      t[k] = vertices_.at(corners[k]);
     }
-    for (const Affine& place : parts().instances()) {
-      Triangle t;
-      for (std::size_t k = 0; k < 3; ++k) t[k] = place(corners[k]) * unit_mm_;
-      if (place.linear.determinant() < 0) std::swap(t[1], t[2]);
-      status_ = batch_.add(t);
-      if (!status_) return parser_->complain("stopped");
-    }
+    status_ = add_placed(t, parts().instances(), unit_mm_, batch_);
+    if (!status_) parser_->complain("stopped");
   }
 
   double unit_mm_;
@@ -246,19 +279,25 @@ class RelationDocument final : public XmlHandler {
   ModelParts& parts_;
 };
 
+/// What is the same of every 3MF.
+void describe_3mf(MeshSummary& summary) {
+  summary.format = ScanFormat::k3mf;
+  summary.encoding = "zip";
+  summary.is_in_mm = true;
+}
+
 /// (3MF Core Specification 1.3)
 class ThreeMfReader {
  public:
   ThreeMfReader(ByteInput& input, TriangleBatch& batch, VertexList& vertices, ModelParts& parts, InflateStream& inflate,
-                std::span<std::byte> heap)
-      : input_(input), batch_(batch), vertices_(vertices), parts_(parts), inflate_(inflate), heap_(heap) {}
+                std::span<std::byte> heap, ModelCopy& copy)
+      : input_(input), batch_(batch), vertices_(vertices), parts_(parts), inflate_(inflate), heap_(heap), copy_(copy) {}
 
   Status read() {
     MeshSummary& summary = batch_.summary();
-    summary.format = ScanFormat::k3mf;
-    summary.encoding = "zip";
-    summary.is_in_mm = true;
-    input_.report_within(0, kFirstPass);
+    describe_3mf(summary);
+    const double first_pass = copy_.is_whole() ? kOnlyPass : kFirstPass;
+    input_.report_within(0, first_pass);
     PLUMBLINE_TRY(for_parts([&](ZipParts& part) { return read_places(part); }));
     const auto models = std::span(models_).first(model_count_);
     const auto root =
@@ -274,9 +313,13 @@ class ThreeMfReader {
                                  "an object on the plate in the program that wrote it, and export it again"));
     }
     unit_mm_ = root->unit_mm;
-    PLUMBLINE_TRY(input_.rewind());
-    input_.report_within(kFirstPass, 1);
-    PLUMBLINE_TRY(for_parts([&](ZipParts& part) { return read_mesh_part(part); }));
+    if (copy_.finish(parts_, unit_mm_, input_.farthest())) {
+      PLUMBLINE_TRY(copy_.deliver(parts_, batch_, first_pass));
+    } else {
+      PLUMBLINE_TRY(input_.rewind());
+      input_.report_within(first_pass, 1);
+      PLUMBLINE_TRY(for_parts([&](ZipParts& part) { return read_mesh_part(part); }));
+    }
     if (const auto id = parts_.missing()) {
       return input_.fail(
           ErrorCode::kMalformed,
@@ -317,7 +360,7 @@ class ThreeMfReader {
     }
     if (!is_model(part)) return {};
     const std::uint64_t key = part_key(part.name());
-    PlaceDocument places(key, parts_);
+    PlaceDocument places(key, parts_, copy_);
     PLUMBLINE_TRY(parse(part, places));
     if (model_count_ == models_.size()) {
       return input_.fail(ErrorCode::kUnsupported,
@@ -353,7 +396,8 @@ class ThreeMfReader {
   VertexList& vertices_;
   ModelParts& parts_;
   InflateStream& inflate_;
-  std::span<std::byte> heap_;      ///< of the XML parser
+  std::span<std::byte> heap_;  ///< of the XML parser
+  ModelCopy& copy_;
   std::array<Model, 512> models_;  ///< which of them is printed may be said after them
   std::size_t model_count_ = 0;
   double unit_mm_ = 1;  ///< of that model
@@ -361,7 +405,7 @@ class ThreeMfReader {
 
 }  // namespace
 
-Status read_3mf(ByteInput& input, TriangleBatch& batch, const MeshRoom& room) {
+Status read_3mf(ByteInput& input, TriangleBatch& batch, const MeshRoom& room, ModelCopy& copy) {
   auto parts = ModelParts::create(room.memory);
   PLUMBLINE_TRY(parts);
   const auto window = room.memory.take_bottom<char>(InflateStream::kWindow, kStage);
@@ -372,7 +416,14 @@ Status read_3mf(ByteInput& input, TriangleBatch& batch, const MeshRoom& room) {
       room.memory.take_bottom<std::byte>(room.memory.available() / Arena::kAlignment * Arena::kAlignment, kStage);
   PLUMBLINE_TRY(heap);
   InflateStream inflate(input, InflateStream::Wrapping::kNone, *window, *zlib);
-  return ThreeMfReader(input, batch, room.vertices, *parts, inflate, *heap).read();
+  return ThreeMfReader(input, batch, room.vertices, *parts, inflate, *heap, copy).read();
+}
+
+Status read_3mf_copy(const ModelCopy& copy, TriangleBatch& batch, Arena& memory) {
+  describe_3mf(batch.summary());
+  auto parts = copy.parts(memory);
+  PLUMBLINE_TRY(parts);
+  return copy.deliver(*parts, batch, 0);
 }
 
 }  // namespace plumbline
