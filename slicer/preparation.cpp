@@ -19,6 +19,9 @@ namespace {
 /// no points are merged that a print could resolve.
 constexpr double kCellShare = 0.5;
 
+/// Fewest points whose neighbours are averaged. Fewer than a third of these can look like a surface wherever they lie.
+constexpr std::uint32_t kFewestAveraged = 6000;
+
 /// First cell of the thinning in scan units; 0 while the size of a scan unit on the print is unknown.
 double first_cell(const PlacementSettings& p) {
   if (p.fit || p.size || p.units == Units::kAuto) return 0;
@@ -51,10 +54,12 @@ class Preparation {
     PLUMBLINE_TRY(admit(scan_));
     const ArenaScope trees(arena_);
     before_tree_ = arena_.top_mark();
-    PLUMBLINE_TRY(build_tree());
-    PLUMBLINE_TRY(find_normals(true));
-    PLUMBLINE_TRY(align());
-    PLUMBLINE_TRY(find_surface(measure));
+    PLUMBLINE_TRY(measure_surface(measure));
+    // Each time at most half of the points are left, so this ends, and takes about half as long again.
+    while (blurred_ && may_average()) {
+      average();
+      PLUMBLINE_TRY(measure_surface(kNoMeasurement));
+    }
     return scan_;
   }
 
@@ -99,6 +104,31 @@ class Preparation {
   Status build_tree() {
     const StageScope stage(Stage::kTrees, arena_, progress_, report_.peak_bytes);
     return build_tree({progress_, Stage::kTrees});
+  }
+
+  /// The stages that follow reading.
+  Status measure_surface(Measurement measure) {
+    PLUMBLINE_TRY(build_tree());
+    PLUMBLINE_TRY(find_normals(true));
+    PLUMBLINE_TRY(align());
+    return find_surface(measure);
+  }
+
+  bool may_average() const { return scan_.cloud.size >= kFewestAveraged; }
+
+  /// Replaces neighbours by their mean: points that are noisier than their neighbourhoods are wide have no tangent planes.
+  void average() {
+    if (progress_ != nullptr) progress_->averages(scan_.cloud.size);
+    arena_.release_top(before_tree_);
+    const double before = scan_.cloud.size;
+    scan_.cloud.average_neighbours();
+    of_each_mean_ = before / scan_.cloud.size;
+    ++report_.averagings;
+    report_.upright.reset();
+    if (!report_.turned) return;
+    rotate(scan_, scan_.turned.transpose());  // by normals that meant nothing
+    scan_.turned = Mat3d::Identity();
+    report_.turned.reset();
   }
 
   /// Builds the tree and puts the cloud into its order.
@@ -152,8 +182,10 @@ class Preparation {
     report_.views = *views;
     const std::size_t tree = before_tree_ - arena_.top_mark();
     // Until here there was room for the most views. Now it is known how many there are.
-    report_.planned_bytes[static_cast<std::size_t>(Stage::kViews)] =
-        arena_.used() - tree + views_stage_bytes(*views, scan_.cloud.size, tree, settings_.threads);
+    if (report_.averagings == 0) {
+      report_.planned_bytes[static_cast<std::size_t>(Stage::kViews)] =
+          arena_.used() - tree + views_stage_bytes(*views, scan_.cloud.size, tree, settings_.threads);
+    }
     report_.lengths.views_before = {views->before};
     report_.lengths.views_after = {views->after};
     report_.lengths.views_moved = {views->moved};
@@ -166,22 +198,36 @@ class Preparation {
   Status find_surface(Measurement measure) {
     const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
     PLUMBLINE_TRY(measure(scan_, *tree_));
-    const bool estimated = report_.normals.estimated > report_.cloud_points / 2;
-    SurfaceSettings settings{estimated ? NormalSource::kPoints : NormalSource::kScanner, settings_.keep_all,
-                             settings_.floor};
+    Cloud& cloud = scan_.cloud;
+    const bool estimated = report_.normals.estimated > cloud.size / 2;
+    SurfaceSettings settings{.normals = estimated ? NormalSource::kPoints : NormalSource::kScanner,
+                             .keep_strays = settings_.keep_all,
+                             .averaged = report_.averagings > 0,
+                             .may_average = may_average(),
+                             .floor = settings_.floor};
     settings.floor.height -= scan_.offset[2];
-    const auto surface = find_surface_points(scan_.cloud, *tree_, settings, arena_, {progress_, Stage::kClustering});
+    const auto surface = find_surface_points(cloud, *tree_, settings, arena_, {progress_, Stage::kClustering});
     PLUMBLINE_TRY(surface);
+    blurred_ = surface->blurred;
+    if (blurred_) {
+      if (may_average()) return {};
+      cloud.drop_noise();
+      report_.averagings = 0;
+    }
     report_.clustering = surface->clustering;
-    report_.support_points = scan_.cloud.support_points;
+    report_.support_points = cloud.support_points;
     report_.strays = surface->strays;
     report_.flying_points = surface->flying_points;
     report_.bore_wall_points = surface->bore_walls.points;
     if (surface->floor_points > 0) level(*surface);
     report_.lengths.epsilon = {surface->clustering.epsilon};
     report_.lengths.noise = {surface->clustering.noise};
+    if (report_.averagings > 0) {
+      // As long as noise is wider than the groups, means are as noisy as points: only the last averaging has made it less.
+      report_.lengths.averaged_noise = {surface->clustering.noise * static_cast<float>(std::sqrt(of_each_mean_))};
+    }
     report_.lengths.bore_walls = {surface->bore_walls.area};
-    scan_.has_surface = surface->found();
+    scan_.has_surface = !blurred_ && surface->found();
     return {};
   }
 
@@ -207,6 +253,8 @@ class Preparation {
   PreparedScan scan_;
   std::optional<KdTree3> tree_;
   std::size_t before_tree_ = 0;
+  bool blurred_ = false;     ///< SurfacePoints::blurred
+  double of_each_mean_ = 1;  ///< points, when neighbours were averaged last
 };
 
 }  // namespace
@@ -219,6 +267,7 @@ ScanLengths<Millimetre> in_mm(const ScanLengths<ScanUnit>& lengths, ScanScale sc
           .views_after = scale(lengths.views_after),
           .views_moved = scale(lengths.views_moved),
           .views_ripple = scale(lengths.views_ripple),
+          .averaged_noise = scale(lengths.averaged_noise),
           .bore_walls = scale(lengths.bore_walls)};
 }
 

@@ -26,14 +26,15 @@ namespace plumbline {
 /// Lengths that were measured on the scan; see the stage results that they are copied from.
 template <class Unit>
 struct ScanLengths {
-  Length<Unit> thinning_cell;  ///< side of a cell; 0: nothing was averaged
-  Length<Unit> epsilon;        ///< ClusteringResult::epsilon
-  Length<Unit> noise;          ///< ClusteringResult::noise
-  Length<Unit> views_before;   ///< ViewAlignment::before
-  Length<Unit> views_after;    ///< ViewAlignment::after
-  Length<Unit> views_moved;    ///< ViewAlignment::moved
-  Length<Unit> views_ripple;   ///< ViewAlignment::ripple
-  Area<Unit> bore_walls;       ///< BoreWalls::area
+  Length<Unit> thinning_cell;   ///< side of a cell; 0: nothing was averaged
+  Length<Unit> epsilon;         ///< ClusteringResult::epsilon
+  Length<Unit> noise;           ///< ClusteringResult::noise
+  Length<Unit> views_before;    ///< ViewAlignment::before
+  Length<Unit> views_after;     ///< ViewAlignment::after
+  Length<Unit> views_moved;     ///< ViewAlignment::moved
+  Length<Unit> views_ripple;    ///< ViewAlignment::ripple
+  Length<Unit> averaged_noise;  ///< of the scan's points, about, if neighbours were averaged; else 0
+  Area<Unit> bore_walls;        ///< BoreWalls::area
 };
 ScanLengths<Millimetre> in_mm(const ScanLengths<ScanUnit>& lengths, ScanScale scale);
 
@@ -55,6 +56,7 @@ struct PreparationCounts {
   std::uint32_t cloud_points = 0;      ///< points after thinning
   std::uint64_t averaged_points = 0;   ///< scan points that were averaged into another
   NormalCounts normals;
+  std::uint32_t averagings = 0;  ///< times that neighbours were averaged because no surface was found
   ViewCounts views;
   ClusteringCounts clustering;
   float support_points = 0;            ///< Cloud::support_points of the surface

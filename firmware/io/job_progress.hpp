@@ -19,6 +19,8 @@ class ProgressDisplay {
   virtual void update(Stage stage, double fraction, double seconds) = 0;
   /// @param peak_bytes  highest use of the arena in this stage
   virtual void end(Stage stage, double seconds, std::size_t peak_bytes) = 0;
+  /// ProgressSink::averages().
+  virtual void averages(std::uint32_t /*points*/) {}
   /// ProgressSink::lies_wrong().
   virtual void lies_wrong(double /*x_degrees*/, double /*y_degrees*/) {}
 };
@@ -33,6 +35,9 @@ class JobProgress final : public ProgressSink {
   /// @returns false after an interrupt
   bool advance(Stage stage, double fraction) override;
   void end(Stage stage, std::size_t peak_bytes) override;
+  void averages(std::uint32_t points) override {
+    if (display_ != nullptr) display_->averages(points);
+  }
   void lies_wrong(double x_degrees, double y_degrees) override {
     if (display_ != nullptr) display_->lies_wrong(x_degrees, y_degrees);
   }

@@ -105,6 +105,13 @@ void ProgressLines::update(Stage stage, double fraction, double seconds) {
   }
 }
 
+void ProgressLines::averages(std::uint32_t points) {
+  FixedText<128> line;
+  line.add("  no surface found in %u points, averaging neighbours", points);
+  bar_.clear();
+  write_line(line.view());
+}
+
 FixedText<128> lies_wrong_sentence(double x_degrees, double y_degrees) {
   FixedText<128> text;
   text.add("the scan seems to lie on its side or its head. To stand it up:");

@@ -40,6 +40,7 @@ class ProgressLines final : public ProgressDisplay {
   void begin(Stage stage) override;
   void update(Stage stage, double fraction, double seconds) override;
   void end(Stage stage, double seconds, std::size_t peak_bytes) override;
+  void averages(std::uint32_t points) override;
   void lies_wrong(double x_degrees, double y_degrees) override;
 
   /// Writes a warning on a line of its own, unless lies_wrong() has written the same sentence.

@@ -178,6 +178,17 @@ FixedText<256> floor_warning(const FloorCut& floor, double scale) {
   return text;
 }
 
+FixedText<256> averaged_warning(std::uint32_t averagings, double noise_mm) {
+  FixedText<256> text;
+  if (averagings == 0) return text;
+  text.add(
+      "the scan is too noisy to show a surface (by about %.2g mm), so neighbouring points were averaged, %u time%s: "
+      "finer "
+      "details are lost. Check the preview, or scan with less noise",
+      noise_mm, averagings, plural_s(averagings));
+  return text;
+}
+
 FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points) {
   FixedText<256> text;
   const double share = points > 0 ? static_cast<double>(normals.turned) / points : 0;
@@ -291,6 +302,11 @@ bool lies_on_its_face(const ClusteringCounts& clustering) {
 void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
   for_each_size_remark(slice, visit);
   if (slice.mesh) return for_each_mesh_remark(*slice.mesh, visit);
+  if (slice.averagings > 0) {
+    const auto noise_mm = static_cast<double>(slice.lengths.averaged_noise.value);
+    visit({PrinterCode::kNoiseAveraged, {{Fact::kNoiseMm, noise_mm}, {Fact::kCount, slice.averagings}}},
+          averaged_warning(slice.averagings, noise_mm).view());
+  }
   if (slice.floor.points > 0) {
     const Vec3d mm = slice.floor.size * slice.placement.scale;
     visit({PrinterCode::kFloorCut,
@@ -340,7 +356,7 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
     if (y != 0) told.add(Fact::kTurnYDeg, y);
     visit(told, lies_wrong_sentence(x, y).view());
   }
-  if (slice.normals.estimated > 0) {
+  if (slice.normals.estimated > 0 && slice.averagings == 0) {
     text = {};
     text.add("%u point%s of the scan %s no usable normal, which was estimated from neighbouring points",
              slice.normals.estimated, plural_s(slice.normals.estimated), slice.normals.estimated == 1 ? "has" : "have");

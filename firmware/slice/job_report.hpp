@@ -98,6 +98,10 @@ FixedText<256> stray_warning(const StrayPieces& strays);
 /// Says that the unit asked for was ignored, and why.
 FixedText<256> ignored_units_warning(Units units);
 
+/// The sentence about neighbours that were averaged; empty if they were not.
+/// @param noise_mm  of the scan's points
+FixedText<256> averaged_warning(std::uint32_t averagings, double noise_mm);
+
 /// The sentence about a floor that was cut off.
 /// @param scale  mm per scan unit
 FixedText<256> floor_warning(const FloorCut& floor, double scale);

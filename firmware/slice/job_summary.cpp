@@ -95,7 +95,8 @@ void add_grid(Text& text, const JobReport& report) {
 
 void add_clusters(Text& text, const SliceReport& s) {
   if (s.mesh) return;
-  const auto share = [&](PointClass c) { return percent(s.clustering.points[c], s.cloud_points); };
+  const double all = s.clustering.points.surface() + s.clustering.points[PointClass::kNoise];
+  const auto share = [&](PointClass c) { return percent(s.clustering.points[c], all); };
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
            share(PointClass::kNoise));

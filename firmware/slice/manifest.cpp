@@ -67,6 +67,11 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.member("points_left", slice.cloud_points);
   json.member("room_for_points", slice.cloud_capacity);
   json.end_object();
+  json.key("averaging");
+  json.begin_object(kOneLine);
+  json.member("times", slice.averagings);
+  json.member("noise_mm", slice.lengths.averaged_noise.value);
+  json.end_object();
   json.member("normals_estimated", slice.normals.estimated);
   json.member("normals_turned", slice.normals.turned);
   json.member("normals_inside_out", slice.normals.inside_out);

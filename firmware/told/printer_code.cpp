@@ -35,6 +35,7 @@ constexpr std::array<FactFormat, kAllFacts> kFormats = {{
     {"turn_y_deg"},
     {"needed_mib", 1},
     {"available_mib", 1},
+    {"noise_mm", -2},
     {"off_mm", 3},
     {"cure_mm", 3},
     {"columns"},

@@ -30,6 +30,7 @@ enum class PrinterCode : std::uint16_t {
   kObjectLarge,
   kObjectThin,
   kPointsAveraged,
+  kNoiseAveraged,
   kTrianglesLeftOut,
   kFacesTurned,
   kMeshOpen,

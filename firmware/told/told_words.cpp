@@ -174,6 +174,10 @@ constexpr std::array kTold{
         {"Der Scan hat mehr Punkte, als in den Speicher passen: gemittelt über {cell_mm} mm, ein Pixel ist {pixel_mm} "
          "mm",
          "Feine Einzelheiten fehlen."}},
+    Row{kNoiseAveraged,
+        "noise_averaged",
+        {"Der Scan rauscht stark, um etwa {noise_mm} mm: benachbarte Punkte wurden {count}-mal gemittelt",
+         "Feinere Einzelheiten fehlen. Ein ruhigerer Scan zeigt mehr."}},
     Row{kTrianglesLeftOut,
         "triangles_left_out",
         {"{count} von {of} Dreiecken des Modells {count?fehlt|fehlen}: ihre Koordinaten sind unbrauchbar",

@@ -13,6 +13,27 @@ struct Piece {
 };
 static_assert(sizeof(Piece) == sizeof(PackedNormal));
 
+/// Calls put(mean) for each group of at most four neighbours, and reorders the points.
+template <class Put>
+void for_each_group(std::span<Vec3f> points, Put put) {
+  constexpr std::size_t kMost = 4;
+  if (points.size() <= kMost) {
+    Vec3f sum = Vec3f::Zero();
+    for (const Vec3f& p : points) sum += p - points[0];
+    put(points[0] + sum / static_cast<float>(points.size()));
+    return;
+  }
+  Box3f box;
+  for (const Vec3f& p : points) box.extend(p);
+  Eigen::Index axis = 0;
+  box.size().maxCoeff(&axis);
+  const std::size_t half = points.size() / 2;
+  std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(half), points.end(),
+                   [axis](const Vec3f& a, const Vec3f& b) { return a[axis] < b[axis]; });
+  for_each_group(points.first(half), put);
+  for_each_group(points.subspan(half), put);
+}
+
 }  // namespace
 
 void PackedNormal::set(const Vec3f& n) {
@@ -46,6 +67,13 @@ void Cloud::set_support_points(float points) {
   const float growth = std::sqrt(points / support_points);
   for (float& r : radius.first(size)) r *= growth;
   support_points = points;
+}
+
+void Cloud::average_neighbours() {
+  std::uint32_t kept = 0;
+  for_each_group(position.first(size), [&](const Vec3f& mean) { position[kept++] = mean; });
+  size = kept;
+  std::fill_n(normal.begin(), size, PackedNormal{});
 }
 
 void Cloud::drop_noise() {

@@ -36,7 +36,10 @@ class ProgressSink {
   virtual bool advance(Stage stage, double fraction) = 0;
   /// @param peak_bytes  most bytes of the arena in use while the stage ran
   virtual void end(Stage stage, std::size_t peak_bytes) = 0;
-  /// Called at most once, within Stage::kNormals, if the scan plainly lies wrong.
+  /// Called between stages if no surface was found: neighbours are averaged, and the stages from Stage::kTrees on run again.
+  /// @param points  before that
+  virtual void averages(std::uint32_t /*points*/) {}
+  /// Called within Stage::kNormals if the scan plainly lies wrong, at most once unless neighbours are averaged.
   /// @param x_degrees, y_degrees  rotation about x, then about y, that puts it upright
   virtual void lies_wrong(double /*x_degrees*/, double /*y_degrees*/) {}
 };

@@ -10,9 +10,27 @@
 namespace plumbline {
 namespace {
 
-/// Where most points are outliers, the rest is a surface if it has this share of core points. A surface has 0.5 or more.
-/// Outliers that happen to face the same way are mostly of mixed type: 0.1.
-constexpr double kLeastCoreShare = 0.25;
+/// Where most points are outliers, or all are means, the rest is a surface if it has this share of core points. A surface has 0.5 or more,
+/// a figure's fingers among outliers 0.37. Outliers that happen to face the same way are mostly of mixed type: 0.1, in a ball 0.26; so are
+/// means of random points, which lie like a lattice, 0.28, and the struts of one, 0.25.
+constexpr double kLeastCoreShare = 0.3;
+
+// Noise wider than neighbourhoods: points fill these, so their height over the planes of the others is that of a filled ball, .15 to .2
+// epsilon, and more points than outliers explain have too few neighbours that face their way. Scans that are not averaged have a surface
+// of which either holds, but not both: dirty ones .1 epsilon and 95 %, `baron` .17 and all. Figures: slicer/EXPERIMENTS.md.
+constexpr float kThickNoise = 0.14F;  ///< of epsilon
+constexpr double kSheetShare = 0.95;  ///< of a scan's points, on the surface
+constexpr double kMeansShare = 0.97;  ///< of means of points: they have fewer outliers
+
+/// Whether neighbours are to be averaged, or, where they have been, there is still no surface.
+bool is_blurred(const ClusteringResult& found, const SurfaceSettings& settings) {
+  const double all = static_cast<double>(found.points.surface()) + found.points[PointClass::kNoise];
+  const double kept = found.points.surface();
+  const bool one_sheet = found.coherent && found.core_points >= kLeastCoreShare * kept;
+  if (!one_sheet) return settings.averaged;
+  const double share = settings.averaged ? kMeansShare : kSheetShare;
+  return settings.may_average && kept < share * all && found.noise > kThickNoise * found.epsilon;
+}
 
 Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings, const ClusteringResult& clustering,
               Arena& arena, const StageProgress& progress) {
@@ -116,6 +134,8 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
     PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(0.6, 0.82)));
     PLUMBLINE_TRY(rescue_sparse_surface(cloud, tree, *epsilon, progress.part(0.82, 0.85)));
   }
+  surface.blurred = !is_found() || is_blurred(clustering, settings);
+  if (surface.blurred) return surface;
   // Beside a large floor a small object looks like a stray piece, and beside stray pieces a floor may not look like one.
   if (is_found()) cut_floor(cloud, settings, surface);
   if (!settings.keep_strays && is_found()) {

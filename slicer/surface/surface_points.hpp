@@ -17,7 +17,9 @@ namespace plumbline {
 struct SurfaceSettings {
   NormalSource normals = NormalSource::kScanner;
   bool keep_strays = false;
-  FloorChoice floor;  ///< its height in coordinates of the cloud
+  bool averaged = false;     ///< the points are means of neighbours, which need more evidence than a scan's
+  bool may_average = false;  ///< there are enough points to average neighbours (again)
+  FloorChoice floor;         ///< its height in coordinates of the cloud
 };
 
 struct SurfacePoints {
@@ -28,6 +30,8 @@ struct SurfacePoints {
   Box3f floor_box;                  ///< around these
   std::uint32_t flying_points = 0;  ///< left out because they would have made the object larger
   BoreWalls bore_walls;
+  /// There is no surface, or one so much thicker than its neighbourhoods are wide that neighbours should be averaged first.
+  bool blurred = false;
 
   /// Whether there is a surface. Where most points are outliers, the rest must have enough core points.
   bool found() const;
@@ -37,7 +41,8 @@ struct SurfacePoints {
 /// mark_flying_points(), widen_supports() and continue_bore_walls(), in that order. Estimated normals are turned over if the object
 /// on a floor faces inwards, and fitted again if supports got wider.
 ///
-/// @param cloud  in the order of `tree`, with normals. On return noise points are gone, classes and supports are set
+/// @param cloud  in the order of `tree`, with normals. On return noise points are gone, classes and supports are set. If the surface is
+///               `blurred` the cloud keeps all of its points where they are
 /// @param arena  work space of these functions from the top, released on return
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree,

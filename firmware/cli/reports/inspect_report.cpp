@@ -48,6 +48,8 @@ void add_scan(Text& text, const ScanOutlook& o) {
     text.add("           %llu point%s left out: %s\n", big(scan.left_out), plural_s(scan.left_out),
              why_left_out(scan.header.format));
   }
+  const auto averaged = averaged_warning(o.scan.averagings, o.mm(o.scan.lengths.averaged_noise));
+  if (!averaged.view().empty()) text.add("           %s\n", averaged.c_str());
   const auto turned = turned_warning(o.scan.normals, o.scan.cloud_points);
   if (!turned.view().empty()) text.add("           %s\n", turned.c_str());
   if (o.scan.floor.points > 0)
@@ -148,7 +150,8 @@ void add_surface(Text& text, const ScanOutlook& o) {
            o.mm(s.lengths.epsilon));
   text.add("noise      %.3g mm, standard deviation off the surface; %.3g mm off the plane of %u neighbours (median)\n",
            o.mm(s.lengths.noise), o.mm(s.roughness), kPlaneNeighbours);
-  const double percent = 100.0 / std::max(1U, s.cloud_points);
+  const std::uint32_t all = s.clustering.points.surface() + points_of(s, PointClass::kNoise);
+  const double percent = 100.0 / std::max(1U, all);
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            percent * points_of(s, PointClass::kEntering), percent * points_of(s, PointClass::kExiting),
            percent * points_of(s, PointClass::kNeutral), percent * points_of(s, PointClass::kNoise));
@@ -241,6 +244,11 @@ void write_plan(JsonWriter& json, const ScanOutlook& o) {
   json.member("cell_mm", o.mm(o.scan.lengths.thinning_cell));
   json.member("points_left", o.scan.cloud_points);
   json.member("room_for_points", o.scan.cloud_capacity);
+  json.end_object();
+  json.key("averaging");
+  json.begin_object(kOneLine);
+  json.member("times", o.scan.averagings);
+  json.member("noise_mm", o.mm(o.scan.lengths.averaged_noise));
   json.end_object();
   json.key("arena");
   json.begin_object();

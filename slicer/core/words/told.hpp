@@ -73,8 +73,9 @@ enum class Fact : std::uint8_t {
   kTurnYDeg,
   kNeededMib,
   kAvailableMib,
+  kNoiseMm,
 };
-inline constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::kAvailableMib) + 1;
+inline constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::kNoiseMm) + 1;
 
 /// Whether `Own` is ToldCode or Fact (`Base`), or an enum of the same type that goes on where that one ends.
 template <class Own, class Base>

@@ -278,6 +278,20 @@ TEST(JobWarnings, NameUnitsSizeThinningHolesAndNormals) {
   for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
 }
 
+TEST(JobWarnings, SayThatNoiseWasAveragedAndHowWideItIs) {
+  auto report = std::make_unique<JobReport>();
+  report->slice.placement.size_mm = {50, 50, 20};
+  report->slice.averagings = 2;
+  report->slice.lengths.averaged_noise = {1.4321F};
+  report->slice.normals.estimated = 5;
+  find_warnings(*report);
+  const auto lines = report->warnings.all();
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_THAT(lines[0].c_str(), HasSubstr("too noisy to show a surface (by about 1.4 mm), so neighbouring points were "
+                                          "averaged, 2 times: finer details are lost"));
+  EXPECT_FALSE(lines[0].cut()) << lines[0].c_str();
+}
+
 TEST(JobWarnings, SayThatAUnitWasIgnoredAndAdviseNoneForAnE57) {
   auto report = std::make_unique<JobReport>();
   report->slice.scan.header.is_in_mm = true;

@@ -102,6 +102,10 @@ TEST(ToldWords, NumbersAreRoundedForPeopleAndOneIsNotMany) {
   EXPECT_EQ(in_german(one), "1 Insel von 1,46 mm². Stützen setzen oder drehen.");
   EXPECT_EQ(in_german({PrinterCode::kNormalsEstimated, {{Fact::kPoints, 1}}}),
             "1 Punkt ohne brauchbare Normale, sie ist aus den Nachbarn geschätzt");
+  EXPECT_EQ(
+      in_german({PrinterCode::kNoiseAveraged, {{Fact::kNoiseMm, 1.4321}, {Fact::kCount, 2}}}),
+      "Der Scan rauscht stark, um etwa 1,4 mm: benachbarte Punkte wurden 2-mal gemittelt. Feinere Einzelheiten fehlen. "
+      "Ein ruhigerer Scan zeigt mehr.");
   EXPECT_EQ(in_german({PrinterCode::kProfileUnknown, {}, "fine"}),
             "Ein Profil fine gibt es auf diesem Drucker nicht. Unter Einstellungen ein anderes wählen.");
   EXPECT_EQ(in_german({ToldCode::kForeignCad, {}, "part.step"}),

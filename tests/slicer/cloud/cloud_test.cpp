@@ -39,6 +39,37 @@ TEST(Cloud, GivesTheRoomOfPointsBackThatAreNotInUse) {
   }
 }
 
+TEST(Cloud, ReplacesNeighboursByTheirMean) {
+  ArenaBlock arena(kMiB);
+  Cloud cloud = value_of(Cloud::create(100, *arena));
+  // Clusters of four points a millimetre wide, 100 mm apart, in an order that mixes them.
+  cloud.size = 64;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    const auto cluster = static_cast<float>(i % 16);
+    const auto corner = static_cast<float>(i / 16);
+    cloud.position[i] = {100 * cluster, corner < 2 ? 1.0F : 0.0F, corner == 1 || corner == 3 ? 1.0F : 0.0F};
+    cloud.normal[i].set({0, 0, 1});
+    cloud.normal[i].weight = 3;
+  }
+  cloud.average_neighbours();
+  ASSERT_EQ(cloud.size, 16U);
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    EXPECT_EQ(cloud.position[i], Vec3f(100 * static_cast<float>(i), 0.5F, 0.5F));
+    EXPECT_FALSE(cloud.normal[i].known());
+    EXPECT_EQ(cloud.normal[i].weight, 1);
+  }
+}
+
+TEST(Cloud, AveragesPointsThatCoincide) {
+  ArenaBlock arena(kMiB);
+  Cloud cloud = value_of(Cloud::create(1000, *arena));
+  cloud.size = 1000;
+  std::fill_n(cloud.position.begin(), cloud.size, Vec3f(1, 2, 3));
+  cloud.average_neighbours();
+  EXPECT_EQ(cloud.size, 256U);
+  for (const Vec3f& p : cloud.positions()) EXPECT_EQ(p, Vec3f(1, 2, 3));
+}
+
 TEST(Cloud, TakesAnOrderWithAllThatAPointHasForAnyNumberOfThreads) {
   constexpr std::uint32_t kPoints = 10000;
   const int before = omp_get_max_threads();
