@@ -27,9 +27,8 @@ struct StickSeries {
   std::uint64_t bytes = 0;  ///< of all
 };
 
-/// The scans, meshes and sliced prints in a stick's top folder, by name, then those in two levels of folders below it, then the series of all.
-/// In a folder below, files of a series are offered only as one, and no .txt, .csv or
-/// .zip alone. A folder with a job.toml is passed over.
+/// The scans, meshes and sliced prints in a stick's top folder, by name, then those in two levels of folders below it, then the series of
+/// all. In a folder below, files of a series are offered only as one, and no .txt, .csv or .zip alone. A folder with a job.toml is passed over.
 struct StickScans {
   static constexpr std::size_t kMost = 64;  ///< scans and series together
   static constexpr std::size_t kMostSeries = 8;

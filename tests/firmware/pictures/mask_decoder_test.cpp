@@ -58,7 +58,8 @@ TEST(MaskDecoder, AgreesWithLodepngOnEveryKindOfPng) {
           theirs.image.clear();
           for (std::uint32_t i = 0; i < columns * rows; ++i) {
             const unsigned char* const at = &png.rgba[std::size_t{4} * i];
-            if ((299 * at[0] + 587 * at[1] + 114 * at[2]) * at[3] >= 128'000 * 255) theirs.image.set(i % columns, i / columns);
+            if ((299 * at[0] + 587 * at[1] + 114 * at[2]) * at[3] >= 128'000 * 255)
+              theirs.image.set(i % columns, i / columns);
           }
           for (const std::size_t step : {1U, 7U, 100'000U}) {
             const auto done = decode(png.file, {}, ours.image, step);
