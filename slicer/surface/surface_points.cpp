@@ -17,7 +17,7 @@ constexpr double kLeastCoreShare = 0.3;
 
 // Noise wider than neighbourhoods: points fill these, so their height over the planes of the others is that of a filled ball, .15 to .2
 // epsilon, and more points than outliers explain have too few neighbours that face their way. Scans that are not averaged have a surface
-// of which either holds, but not both: dirty ones .1 epsilon and 95 %, `baron` .17 and all. Figures: slicer/EXPERIMENTS.md.
+// of which either holds, but not both: dirty ones .1 epsilon and 95 %, surfaces among as many outliers .11 and 49 %, `baron` .17 and all. Figures: slicer/EXPERIMENTS.md.
 constexpr float kThickNoise = 0.14F;  ///< of epsilon
 constexpr double kSheetShare = 0.95;  ///< of a scan's points, on the surface
 constexpr double kMeansShare = 0.97;  ///< of means of points: they have fewer outliers
@@ -26,8 +26,8 @@ constexpr double kMeansShare = 0.97;  ///< of means of points: they have fewer o
 bool is_blurred(const ClusteringResult& found, const SurfaceSettings& settings) {
   const double all = static_cast<double>(found.points.surface()) + found.points[PointClass::kNoise];
   const double kept = found.points.surface();
-  const bool one_sheet = found.coherent && found.core_points >= kLeastCoreShare * kept;
-  if (!one_sheet) return settings.averaged;
+  const bool is_sheet = (found.coherent || !settings.averaged) && found.core_points >= kLeastCoreShare * kept;
+  if (!is_sheet) return settings.averaged;
   const double share = settings.averaged ? kMeansShare : kSheetShare;
   return settings.may_average && kept < share * all && found.noise > kThickNoise * found.epsilon;
 }
