@@ -85,7 +85,8 @@ Error name_content(std::span<const std::byte> head, std::uint64_t size, std::str
   const auto format = probe_format(input);
   if (!format) return format.error();
   return Error::format(ErrorCode::kUnknownFormat, "%s: is a scan or mesh, no sliced print.\tGive it the ending %s",
-                       PrintableText(name).c_str(), ending_of(*format));
+                       PrintableText(name).c_str(), ending_of(*format))
+      .tell({ToldCode::kNotSliced, {}, name});
 }
 
 }  // namespace
@@ -143,8 +144,10 @@ Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
     return {};
   }));
   if (archive.layers_ == 0 && has_model) {
-    return fail(ErrorCode::kNoPoints, "%s: is a mesh, no sliced print.\tGive it the ending .3mf",
-                archive.zip_.name().c_str());
+    const auto& named = archive.zip_.name();
+    return tl::unexpected<Error>(
+        Error::format(ErrorCode::kNoPoints, "%s: is a mesh, no sliced print.\tGive it the ending .3mf", named.c_str())
+            .tell({ToldCode::kNotSliced, {}, named.c_str()}));
   }
   if (archive.layers_ == 0 || archive.layers_ > PrintGrid::kMaxLayers) {
     return fail(

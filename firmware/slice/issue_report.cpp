@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <optional>
 
 #include "firmware/told/printer_code.hpp"
@@ -105,7 +106,7 @@ CheckLimits coarse_limits(const PrintGrid& grid, const PeelSettings& peel) {
   limits.peel = peel;
   const double pixels = kUsualPitch / std::max(kUsualPitch, IssueScale(grid).pitch_x_mm);
   const auto scaled = [](std::uint32_t limit, double factor) {
-    return std::max(1U, static_cast<std::uint32_t>(limit * factor + 0.5));
+    return std::max(1U, static_cast<std::uint32_t>(std::lround(limit * factor)));
   };
   limits.island_held_pixels = scaled(limits.island_held_pixels, pixels * pixels);
   limits.overhang_reach = scaled(limits.overhang_reach, pixels);

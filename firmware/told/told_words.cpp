@@ -104,6 +104,10 @@ constexpr std::array kTold{
     Row{kPicture, "picture", {"{name} ist ein Bild", "Einen Scan, ein Modell oder ein Archiv (.sl1) nehmen."}},
     Row{kWebPage, "web_page", {"{name} ist eine Webseite", "Die Datei selbst herunterladen."}},
     Row{kWideText, "wide_text", {"{name} ist Text in UTF-16 oder UTF-32", "Als UTF-8 oder ASCII speichern."}},
+    Row{kSlicedPrint, "sliced_print", {"{name} ist schon geslict", "Der Datei die Endung .sl1 geben."}},
+    Row{kNotSliced,
+        "not_sliced",
+        {"{name} ist ein Scan oder Modell, nicht geslict", "Der Datei die Endung geben, die zu ihr passt, etwa .stl."}},
 
     // The printer's.
     Row{kIsland,

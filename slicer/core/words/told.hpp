@@ -41,8 +41,11 @@ enum class ToldCode : std::uint16_t {
   kPicture,
   kWebPage,
   kWideText,
+  // Prints, scans and meshes under names of each other.
+  kSlicedPrint,
+  kNotSliced,
 };
-inline constexpr std::size_t kToldCodeCount = static_cast<std::size_t>(ToldCode::kWideText) + 1;
+inline constexpr std::size_t kToldCodeCount = static_cast<std::size_t>(ToldCode::kNotSliced) + 1;
 
 /// A number that is told, with its unit. The program around the slicer numbers its own from kFactCount.
 enum class Fact : std::uint8_t {

@@ -135,9 +135,9 @@ class Probe {
     };
     const bool archive = has_ending(input_.name(), ".sl1") || has_ending(input_.name(), ".sl1s");
     if ((archive && window_.starts_with(kZipSignature)) || is_sliced_zip()) {
-      return refuse({{},
-                     "a print that is sliced already",
-                     is_archive_name() ? "print it, or check it" : "give it the ending .sl1 to print it"});
+      constexpr const char* kSliced = "a print that is sliced already";
+      if (is_archive_name()) return refuse({{}, kSliced, "print it, or check it"});
+      return refuse({{}, kSliced, "give it the ending .sl1 to print it", ToldCode::kSlicedPrint});
     }
     for (const Mark& mark : kMarks) {
       if (window_.starts_with(mark.bytes)) return refuse(mark);

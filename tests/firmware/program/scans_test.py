@@ -162,6 +162,15 @@ class Scans(StatePrinter):
         fault = user.state("fault", "seen")["fault"]
         self.assertEqual((fault["message"], fault["told"]["code"]), ("Scans/Job.toml: is in a folder", "stick_inner_job"))
 
+    def test_scan_under_the_name_of_a_sliced_print_is_told(self):
+        _, user = self.start(speedup=1e4)
+        (self.dir / "new").mkdir()
+        (self.dir / "new/part.sl1").write_bytes(self.halves["front.ply"])
+        (self.dir / "new").rename(self.stick)
+        user.do("start")
+        fault = user.state("fault", "seen")["fault"]
+        self.assertEqual((fault["message"], fault["told"]["code"]), ("part.sl1: is a scan or mesh, no sliced print", "not_sliced"))
+
     def test_project_that_is_not_read_is_named(self):
         _, user = self.start(speedup=1e4)
         self.put_folder("bust/scans", {"2.fls": b"no scan", "1.fls": b"no scan"})

@@ -102,8 +102,9 @@ TEST(FormatProbe, TellsTheKindOfAForeignFileAsACodeWithItsName) {
         std::tuple("glTF\2\0"s, "part.glb", ToldCode::kForeignModel),
         std::tuple("PK\3\4 rest"s, "part.lys", ToldCode::kForeignProject),
         std::tuple("PK\3\4 rest"s, "part.zip", ToldCode::kPacked),
-        std::tuple("7z\xbc\xaf\x27\x1c"s, "part.7z", ToldCode::kPacked), std::tuple(ole, "part", ToldCode::kForeignCad),
-        std::tuple("<!DOCTYPE html>"s, "part.stl", ToldCode::kWebPage),
+        std::tuple("7z\xbc\xaf\x27\x1c"s, "part.7z", ToldCode::kPacked),
+        std::tuple("PK\3\4"s + std::string(22, '\0') + "\n\0\0\0config.ini"s, "part.stl", ToldCode::kSlicedPrint),
+        std::tuple(ole, "part", ToldCode::kForeignCad), std::tuple("<!DOCTYPE html>"s, "part.stl", ToldCode::kWebPage),
         std::tuple("\xff\xfe\x31\0"s, "part.xyz", ToldCode::kWideText),
         std::tuple("\xff\xd8\xff\xe0"s, "part.obj", ToldCode::kPicture)}) {
     const auto reading = read(bytes, name);
