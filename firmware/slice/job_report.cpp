@@ -182,9 +182,8 @@ FixedText<256> averaged_warning(std::uint32_t averagings, double noise_mm) {
   FixedText<256> text;
   if (averagings == 0) return text;
   text.add(
-      "the scan is too noisy to show a surface (by about %.2g mm), so neighbouring points were averaged, %u time%s: "
-      "finer "
-      "details are lost. Check the preview, or scan with less noise",
+      "the points are too noisy to show a surface (about %.2g mm), so neighbours were averaged, %u time%s: "
+      "finer details are lost. Check the preview, or scan with less noise",
       noise_mm, averagings, plural_s(averagings));
   return text;
 }

@@ -287,7 +287,7 @@ TEST(JobWarnings, SayThatNoiseWasAveragedAndHowWideItIs) {
   find_warnings(*report);
   const auto lines = report->warnings.all();
   ASSERT_EQ(lines.size(), 1U);
-  EXPECT_THAT(lines[0].c_str(), HasSubstr("too noisy to show a surface (by about 1.4 mm), so neighbouring points were "
+  EXPECT_THAT(lines[0].c_str(), HasSubstr("too noisy to show a surface (about 1.4 mm), so neighbours were "
                                           "averaged, 2 times: finer details are lost"));
   EXPECT_FALSE(lines[0].cut()) << lines[0].c_str();
 }
