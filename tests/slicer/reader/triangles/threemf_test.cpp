@@ -41,8 +41,9 @@ struct ThreeMf {
   explicit ThreeMf(const std::string& bytes, std::uint64_t vertices = 1000) {
     ModelCopy none({});
     summary = read(bytes, vertices, found, none);
-    ArenaBlock room(vertices * sizeof(Vec3f) + 2 * Arena::kAlignment);
-    ModelCopy copy(*(*room).take_bottom<std::byte>(vertices * sizeof(Vec3f), "test"));
+    const std::size_t bytes_of_copy = static_cast<std::size_t>(vertices) * sizeof(Vec3f);
+    ArenaBlock room(bytes_of_copy + 2 * Arena::kAlignment);
+    ModelCopy copy(*(*room).take_bottom<std::byte>(bytes_of_copy, "test"));
     ThreeMfTriangles again;
     const auto other = read(bytes, vertices, again, copy);
     expect_same(other, again);
