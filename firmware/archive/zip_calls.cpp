@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 
 namespace plumbline {
 namespace {
@@ -20,7 +22,8 @@ voidpf open_it(voidpf opaque, const void* /*name*/, int /*mode*/) { return opaqu
 uLong read_it(voidpf opaque, voidpf /*stream*/, void* to, uLong size) {
   ZipHandle& handle = handle_of(opaque);
   if (handle.file < 0) {
-    const auto part = handle.memory.subspan(handle.at, std::min<std::size_t>(size, handle.memory.size() - handle.at));
+    const auto at = static_cast<std::size_t>(std::min<std::uint64_t>(handle.at, handle.memory.size()));
+    const auto part = handle.memory.subspan(at, std::min<std::size_t>(size, handle.memory.size() - at));
     std::copy(part.begin(), part.end(), static_cast<std::byte*>(to));
     handle.at += part.size();
     return static_cast<uLong>(part.size());
@@ -62,10 +65,11 @@ ZPOS64_T tell_it(voidpf opaque, voidpf /*stream*/) {
 long seek_it(voidpf opaque, voidpf /*stream*/, ZPOS64_T offset, int origin) {
   ZipHandle& handle = handle_of(opaque);
   if (handle.file < 0) {
-    const std::size_t size = handle.memory.size();
-    const ZPOS64_T from = origin == ZLIB_FILEFUNC_SEEK_SET ? 0 : origin == ZLIB_FILEFUNC_SEEK_CUR ? handle.at : size;
-    if (offset > size - from) return -1;  // as lseek() behind the end, whose read() then finds nothing
-    handle.at = static_cast<std::size_t>(from + offset);
+    const std::uint64_t size = handle.memory.size();
+    const auto from = origin == ZLIB_FILEFUNC_SEEK_SET ? 0 : origin == ZLIB_FILEFUNC_SEEK_CUR ? handle.at : size;
+    constexpr std::uint64_t kFarthest = std::numeric_limits<std::int64_t>::max();
+    if (offset > kFarthest - from) return -1;
+    handle.at = from + offset;  // behind the end, too, as lseek() allows: nothing is read there
     return 0;
   }
   const int from = origin == ZLIB_FILEFUNC_SEEK_SET ? SEEK_SET : origin == ZLIB_FILEFUNC_SEEK_CUR ? SEEK_CUR : SEEK_END;

@@ -4,6 +4,7 @@
 #include <minizip/ioapi.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace plumbline {
@@ -12,7 +13,7 @@ struct ZipHandle {
   int file = -1;                      ///< a descriptor; below 0: the file is in `memory`, and only read
   int reason = 0;                     ///< errno of the first call that failed; 0: none did
   std::span<const std::byte> memory;  ///< the whole file
-  std::size_t at = 0;                 ///< the place in it
+  std::uint64_t at = 0;               ///< the place in it, or behind its end
 };
 
 /// @param handle  must outlive what uses the calls; closing the archive leaves its file open
