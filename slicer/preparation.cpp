@@ -19,7 +19,7 @@ namespace {
 /// no points are merged that a print could resolve.
 constexpr double kCellShare = 0.5;
 
-/// Fewest points whose neighbours are averaged. Fewer than a third of these can look like a surface wherever they lie.
+/// Fewest points whose neighbours are averaged. A third as many means can look like a surface even if the points lie at random.
 constexpr std::uint32_t kFewestAveraged = 6000;
 
 /// First cell of the thinning in scan units; 0 while the size of a scan unit on the print is unknown.

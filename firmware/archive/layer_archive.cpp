@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "firmware/archive/layer_numbers.hpp"
+#include "firmware/io/scan_names.hpp"
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/pictures/reduced_picture.hpp"
 #include "slicer/core/byte_source.hpp"
@@ -57,23 +58,6 @@ class FileHead final : public ByteSource, public ReadProgress {
   std::string_view name_;
 };
 
-const char* ending_of(ScanFormat format) {
-  switch (format) {
-    case ScanFormat::kPly: return ".ply";
-    case ScanFormat::kXyz: return ".xyz";
-    case ScanFormat::kPcd: return ".pcd";
-    case ScanFormat::kObj: return ".obj";
-    case ScanFormat::kStl: return ".stl";
-    case ScanFormat::kOff: return ".off";
-    case ScanFormat::k3mf: return ".3mf";
-    case ScanFormat::kLas: return ".las";
-    case ScanFormat::kPtx: return ".ptx";
-    case ScanFormat::kE57: return ".e57";
-    case ScanFormat::kSpz: return ".spz";
-  }
-  return ".ply";
-}
-
 /// What is no zip archive, if its bytes say so.
 /// @param broken  what is said otherwise
 Error name_content(std::span<const std::byte> head, std::uint64_t size, std::string_view name, const Error& broken) {
@@ -84,8 +68,8 @@ Error name_content(std::span<const std::byte> head, std::uint64_t size, std::str
   ByteInput input(source, source, window);
   const auto format = probe_format(input);
   if (!format) return format.error();
-  return Error::format(ErrorCode::kUnknownFormat, "%s: is a scan or mesh, no sliced print.\tGive it the ending %s",
-                       PrintableText(name).c_str(), ending_of(*format))
+  return Error::format(ErrorCode::kUnknownFormat, "%s: is a scan or mesh, no sliced print.\tGive it the ending .%s",
+                       PrintableText(name).c_str(), in_lower_case(to_string(*format)).c_str())
       .tell({ToldCode::kNotSliced, {}, name});
 }
 

@@ -20,8 +20,8 @@ struct MaskTurn {
   bool operator==(const MaskTurn&) const = default;
 };
 
-/// Decodes a PNG of any kind, as it looks on black. The upper half of its levels is white, as in UVtools; of colours, their luma counts
-/// (ITU-R BT.601).
+/// Decodes a PNG of any kind. What is transparent shows black. A pixel is white from half of the full level on, as in UVtools; a colour has
+/// the level of its luma (ITU-R BT.601).
 /// @param most_bytes  of the file; what is longer is refused when so many have come
 /// @param out         overwritten, also after an error
 /// @retval ErrorCode::kMalformed    no PNG, damaged, cut off, too long, or not of the size of `out`

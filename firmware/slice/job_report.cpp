@@ -97,23 +97,6 @@ const char* why_left_out(ScanFormat format) {
   return splats ? "splats that hardly show, or far larger than the others" : "the file marks them as invalid";
 }
 
-const char* to_string(ScanFormat format) {
-  switch (format) {
-    case ScanFormat::kPly: return "PLY";
-    case ScanFormat::kXyz: return "XYZ";
-    case ScanFormat::kPcd: return "PCD";
-    case ScanFormat::kObj: return "OBJ";
-    case ScanFormat::kStl: return "STL";
-    case ScanFormat::kOff: return "OFF";
-    case ScanFormat::k3mf: return "3MF";
-    case ScanFormat::kLas: return "LAS";
-    case ScanFormat::kPtx: return "PTX";
-    case ScanFormat::kE57: return "E57";
-    case ScanFormat::kSpz: return "SPZ";
-  }
-  return "unknown";
-}
-
 FixedText<128> unseen_sentence(const Unseen& unseen) {
   FixedText<128> text;
   if (unseen.is_negligible()) return text;

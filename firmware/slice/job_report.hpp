@@ -67,8 +67,6 @@ struct JobReport {
 
 /// Why points were left out (ScanSummary::left_out): "the file marks them as invalid".
 const char* why_left_out(ScanFormat format);
-/// "PLY", "XYZ", "PCD", and so on.
-const char* to_string(ScanFormat format);
 
 /// Shares of the whole surface that the scanner did not see, 0 to 1: the one definition for reports, warnings and pictures.
 struct Unseen {

@@ -6,6 +6,7 @@
 #include "firmware/slice/job_archive.hpp"
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/core/words/plural.hpp"
+#include "slicer/reader/formats/format_probe.hpp"
 
 namespace plumbline {
 namespace {
@@ -95,8 +96,7 @@ void add_grid(Text& text, const JobReport& report) {
 
 void add_clusters(Text& text, const SliceReport& s) {
   if (s.mesh) return;
-  const double all = s.clustering.points.surface() + s.clustering.points[PointClass::kNoise];
-  const auto share = [&](PointClass c) { return percent(s.clustering.points[c], all); };
+  const auto share = [&](PointClass c) { return percent(s.clustering.points[c], s.clustering.points.all()); };
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
            share(PointClass::kNoise));

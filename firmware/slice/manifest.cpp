@@ -7,6 +7,7 @@
 #include "firmware/io/version.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/reader/formats/format_probe.hpp"
 
 namespace plumbline {
 namespace {

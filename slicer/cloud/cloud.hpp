@@ -87,8 +87,8 @@ struct Cloud {
   /// Changes all radii to those of discs that hold `points` points, above 0.
   void set_support_points(float points);
 
-  /// Replaces each group of two to four neighbours by its mean. The groups are halves of halves of the cloud, across their longest
-  /// side. Normals are unknown afterwards, and every weight is 1.
+  /// Replaces every two to four neighbours by their mean. To find them, the cloud is halved across its longest side, and each half
+  /// again, until at most four points are left. Normals are unknown afterwards, and every weight is 1.
   void average_neighbours();
 
   /// Removes the points of class kNoise and keeps the order of the others.

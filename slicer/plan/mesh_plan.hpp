@@ -13,8 +13,8 @@ struct MeshNeed {
   std::uint64_t most_vertices = 0;  ///< that a reading keeps
   PrintGrid grid;
   double hits = 0;  ///< of rays and triangles, estimated from the triangles' areas: within 2 % for a large object
-  std::size_t copied_bytes =
-      0;  ///< of the arena, for a copy of the file that is given back after it has been read once more
+  /// Of the arena, for a copy of the file. They are given back after the second reading.
+  std::size_t copied_bytes = 0;
 };
 
 /// @param mesh  as surveyed

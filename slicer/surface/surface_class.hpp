@@ -22,6 +22,7 @@ struct ClassCounts {
 
   /// Points that are not noise.
   std::uint32_t surface() const;
+  std::uint32_t all() const { return surface() + (*this)[PointClass::kNoise]; }
   /// Whether the class has at most one in a thousand of the surface's points. With entering points negligible a scan is
   /// a height field; with exiting points negligible it lies face down.
   bool is_negligible(PointClass c) const;

@@ -24,7 +24,7 @@ constexpr double kMeansShare = 0.97;  ///< of means of points: they have fewer o
 
 /// Whether neighbours are to be averaged, or, where they have been, there is still no surface.
 bool is_blurred(const ClusteringResult& found, const SurfaceSettings& settings) {
-  const double all = static_cast<double>(found.points.surface()) + found.points[PointClass::kNoise];
+  const double all = found.points.all();
   const double kept = found.points.surface();
   const bool is_sheet = (found.coherent || !settings.averaged) && found.core_points >= kLeastCoreShare * kept;
   if (!is_sheet) return settings.averaged;

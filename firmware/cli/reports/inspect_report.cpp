@@ -13,6 +13,7 @@
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/core/words/plural.hpp"
 #include "slicer/plan/mesh_plan.hpp"
+#include "slicer/reader/formats/format_probe.hpp"
 #include "slicer/source_checks.hpp"
 
 namespace plumbline {
@@ -150,8 +151,7 @@ void add_surface(Text& text, const ScanOutlook& o) {
            o.mm(s.lengths.epsilon));
   text.add("noise      %.3g mm, standard deviation off the surface; %.3g mm off the plane of %u neighbours (median)\n",
            o.mm(s.lengths.noise), o.mm(s.roughness), kPlaneNeighbours);
-  const std::uint32_t all = s.clustering.points.surface() + points_of(s, PointClass::kNoise);
-  const double percent = 100.0 / std::max(1U, all);
+  const double percent = 100.0 / std::max(1U, s.clustering.points.all());
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            percent * points_of(s, PointClass::kEntering), percent * points_of(s, PointClass::kExiting),
            percent * points_of(s, PointClass::kNeutral), percent * points_of(s, PointClass::kNoise));

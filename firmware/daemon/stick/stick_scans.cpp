@@ -19,15 +19,13 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kLongestScanName = 256;  // that fits into a StickScan
-
 Error about_foreign(std::string_view name, const ForeignFormat& format) {
   return Error::format(ErrorCode::kUnknownFormat, "%s %s (%s);\t%s", PrintableText(name).c_str(), format.kind.what,
                        format.program, format.kind.advice)
       .tell({format.kind.code, {}, name});
 }
 
-/// Folders that computers make on sticks, and what people have thrown away.
+/// Whether an operating system has made the folder: for its own files, or as its bin.
 bool is_systems_folder(std::string_view name) {
   constexpr std::array<std::string_view, 5> kNames = {"system volume information", "$recycle.bin", "recycler",
                                                       "__macosx", "lost.dir"};
@@ -36,7 +34,7 @@ bool is_systems_folder(std::string_view name) {
 
 Error about_inner_job(const std::string& name) {
   return Error::format(ErrorCode::kBadSetting,
-                       "%s: is in a folder;\tput it into the stick's top folder, with the scan's path in it",
+                       "%s: is in a folder;\tmove it to the stick's top folder, and give the scan's path in it",
                        PrintableText(name).c_str())
       .tell({PrinterCode::kStickInnerJob, {}, name});
 }
@@ -120,8 +118,8 @@ struct FolderListing final : StickMount::FileVisitor {
   std::size_t count = 0;
 };
 
-/// In a folder that nobody has looked at, few of these are for a printer.
-bool is_any_kind(std::string_view name) {
+/// Whether most files with this ending are no scans or prints, so that in a folder one of them alone is not offered.
+bool is_mostly_other(std::string_view name) {
   return has_ending(name, ".txt") || has_ending(name, ".csv") || has_ending(name, ".zip");
 }
 
@@ -153,9 +151,9 @@ std::set<std::string> add_series(StickScans& scans, const std::map<std::string, 
 void add_files(StickScans& scans, const FolderListing& listing, const std::set<std::string>& joined,
                const std::string& folder) {
   for (const auto& [name, bytes] : listing.files) {
-    if (joined.count(name) > 0 || is_any_kind(name)) continue;
+    if (joined.count(name) > 0 || is_mostly_other(name)) continue;
     const std::string path = folder + name;
-    if (scans.count == StickScans::kMost || path.size() >= kLongestScanName) {
+    if (scans.count == StickScans::kMost || path.size() > StickScan::kLongestName) {
       ++scans.left_out;
       continue;
     }

@@ -16,7 +16,8 @@
 namespace plumbline {
 
 struct StickScan {
-  FixedText<256> name;
+  static constexpr std::size_t kLongestName = 255;
+  FixedText<kLongestName + 1> name;
   std::uint64_t bytes = 0;
 };
 

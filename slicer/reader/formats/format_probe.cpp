@@ -282,4 +282,21 @@ Expected<ScanFormat> probe_format(ByteInput& input) {
   return Probe(input, {input.begin(), *size}).format();
 }
 
+const char* to_string(ScanFormat format) {
+  switch (format) {
+    case ScanFormat::kPly: return "PLY";
+    case ScanFormat::kXyz: return "XYZ";
+    case ScanFormat::kPcd: return "PCD";
+    case ScanFormat::kObj: return "OBJ";
+    case ScanFormat::kStl: return "STL";
+    case ScanFormat::kOff: return "OFF";
+    case ScanFormat::k3mf: return "3MF";
+    case ScanFormat::kLas: return "LAS";
+    case ScanFormat::kPtx: return "PTX";
+    case ScanFormat::kE57: return "E57";
+    case ScanFormat::kSpz: return "SPZ";
+  }
+  return "unknown";
+}
+
 }  // namespace plumbline

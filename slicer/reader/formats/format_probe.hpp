@@ -18,4 +18,7 @@ inline constexpr std::string_view kZipSignature = "PK\x03\x04";
 /// @retval ErrorCode::kNoPoints       an empty file
 [[nodiscard]] Expected<ScanFormat> probe_format(ByteInput& input);
 
+/// "PLY", "XYZ", "PCD", and so on: in lower case also the ending of such a file.
+const char* to_string(ScanFormat format);
+
 }  // namespace plumbline

@@ -13,7 +13,7 @@ inline constexpr std::array<std::string_view, 6> kXyzEndings = {".xyz", ".xyzrgb
 inline constexpr std::array<std::string_view, 10> kMarkedEndings = {".ply", ".pcd", ".obj", ".stl", ".off",
                                                                     ".3mf", ".las", ".ptx", ".e57", ".spz"};
 
-/// Prints that are sliced already. The slicer does not read them, but says what lies under such a name.
+/// Prints that are sliced already. The slicer does not read them. It says what a file with such an ending really is.
 inline constexpr std::array<std::string_view, 3> kArchiveEndings = {".sl1", ".sl1s", ".zip"};
 
 }  // namespace plumbline

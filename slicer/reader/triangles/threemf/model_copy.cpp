@@ -14,7 +14,7 @@ constexpr std::uint64_t kReportEvery = 1U << 16U;
 /// The most bytes of a corner: 7 bits each of 64.
 constexpr std::size_t kMostCornerBytes = 10;
 
-/// Small differences of either sign as small numbers: 0, -1, 1, -2 ... as 0, 1, 2, 3 ...
+/// Numbers 0, -1, 1, -2 ... as 0, 1, 2, 3 ..., so that a small difference of either sign takes one byte.
 std::uint64_t folded(std::uint64_t difference) { return (difference << 1U) ^ (0 - (difference >> 63U)); }
 std::uint64_t unfolded(std::uint64_t number) { return (number >> 1U) ^ (0 - (number & 1U)); }
 

@@ -27,7 +27,7 @@ class ModelCopy {
   bool add_vertex(const Vec3d& p);
   /// @returns false if there is no room, or a corner has no vertex
   bool add_triangle(const std::array<std::uint64_t, 3>& corners);
-  /// Leaves the rest out: the file is to be read again, and says itself what is wrong with it.
+  /// Makes no copy after all. The file is then read again, and that reading reports what is wrong with it.
   void give_up() { is_whole_ = false; }
   bool is_whole() const { return is_whole_; }
   bool is_finished() const { return is_whole_ && end_ > 0; }
