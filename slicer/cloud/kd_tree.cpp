@@ -30,16 +30,20 @@ namespace plumbline {
 namespace {
 
 /// Set while a tree is built, in the thread that began it.
-thread_local TreeMemory* building = nullptr;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+thread_local Arena* building = nullptr;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
 
 struct Building {
-  explicit Building(TreeMemory& memory) { building = &memory; }
+  explicit Building(Arena& arena) { building = &arena; }
   ~Building() { building = nullptr; }
   Building(const Building&) = delete;
   Building& operator=(const Building&) = delete;
 };
 
-void* arena_bytes(std::size_t bytes) { return building == nullptr ? nullptr : building->take(bytes); }
+void* arena_bytes(std::size_t bytes) {
+  if (building == nullptr) return nullptr;
+  const auto block = building->take_top<std::byte>(bytes, "kd-tree");
+  return block ? block->data() : nullptr;
+}
 
 /// A point's index as a type of our own, for which std::allocator may be specialised.
 struct PointIndex {
@@ -171,32 +175,26 @@ struct KdTree<Dimension>::Impl {
     /// @param open  bits of the box's sides that the node may reach beyond: 2 f and 2 f + 1 for low[f] and high[f]
     void walk(const TreeNode* node, std::uint32_t open) {
       while (!node->is_leaf() && open != 0) {
-        const auto [below, above] = node->split;
         const std::uint32_t axis = node->axis();
-        const bool left = low[axis] <= below;
-        const bool right = high[axis] >= above;
-        const std::uint32_t of_left = below <= high[axis] ? open & ~(2U << 2 * axis) : open;
-        const std::uint32_t of_right = above >= low[axis] ? open & ~(1U << 2 * axis) : open;
-        if (left && right) walk(&nodes.left_of(*node), of_left);
-        if (!right) {
-          if (!left) return;
-          node = &nodes.left_of(*node);
-          open = of_left;
-        } else {
-          node = &nodes.right_of(*node);
-          open = of_right;
+        const bool left = low[axis] <= node->cut;
+        const bool right = high[axis] >= node->cut;
+        const TreeNode* const children = nodes.children_of(*node);
+        if (left && right) {
+          walk(children, open & ~(2U << 2 * axis));
+          open &= ~(1U << 2 * axis);
         }
+        node = right ? children + 1 : children;
       }
       leaf(first_of(node), last_of(node));
     }
     std::uint32_t first_of(const TreeNode* node) const {
-      while (!node->is_leaf()) node = &nodes.left_of(*node);
-      return node->leaf.first;
+      while (!node->is_leaf()) node = nodes.children_of(*node);
+      return node->first;
     }
     /// One past the node's last point.
     std::uint32_t last_of(const TreeNode* node) const {
-      while (!node->is_leaf()) node = &nodes.right_of(*node);
-      return node->leaf.last;
+      while (!node->is_leaf()) node = nodes.children_of(*node) + 1;
+      return node->last();
     }
   };
 
@@ -222,15 +220,14 @@ struct KdTree<Dimension>::Impl {
     /// @param sum2  mm^2, of gap2
     void walk(const TreeNode& node, float sum2) {
       if (node.is_leaf()) {
-        look(node.leaf);
+        look(node);
         return;
       }
-      const auto [below, above] = node.split;
       const std::uint32_t axis = node.axis();
-      const bool left = (query[axis] - below) + (query[axis] - above) < 0;
-      const TreeNode* const children = &tree.nodes.left_of(node);
+      const bool left = query[axis] < node.cut;
+      const TreeNode* const children = tree.nodes.children_of(node);
       walk(children[left ? 0 : 1], sum2);
-      const float other2 = square(left ? above : below, axis);
+      const float other2 = square(node.cut, axis);
       const float before2 = gap2[axis];
       sum2 = sum2 + other2 - before2;
       if (!(sum2 <= found.beyond2())) return;
@@ -238,9 +235,9 @@ struct KdTree<Dimension>::Impl {
       walk(children[left ? 1 : 0], sum2);
       gap2[axis] = before2;
     }
-    void look(const TreeNode::Leaf& leaf) {
+    void look(const TreeNode& leaf) {
       const float beyond2 = found.beyond2();
-      for (std::uint32_t k = leaf.first; k < leaf.last; ++k) {
+      for (std::uint32_t k = leaf.first; k < leaf.last(); ++k) {
         const std::uint32_t i = tree.index.vAcc[k];
         float distance2 = 0;
         for (std::size_t axis = 0; axis < Dimension; ++axis) {
@@ -262,23 +259,28 @@ Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> poin
   using Storage = std::aligned_storage_t<sizeof(Impl), alignof(Impl)>;
   const auto place = arena.take_top<Storage>(1, stage);
   PLUMBLINE_TRY(place);
-  TreeMemory memory(arena, progress, points.size() * kBytesPerPoint);
-  const Building here(memory);
+  const std::size_t left = arena.available();
   KdTree tree;
-  bool built = false;
+  std::uint32_t pairs = 0;
   try {
+    const Building here(arena);
     tree.impl_ = new (place->data()) Impl(points);
-    built = TreeBuilder(tree.impl_->index, tree.impl_->nodes, memory).run();
+    tree.impl_->index.init_vind();
+    TreeNodes& nodes = tree.impl_->nodes = TreeNodes(arena.free_room());
+    const std::size_t expected = points.size() * (kBytesPerPoint - sizeof(PointIndex)) / TreeNodes::kPairBytes;
+    TreeBuilder builder(tree.impl_->index, nodes, progress, std::max<std::size_t>(expected, 1));
+    pairs = builder.run();
+    if (builder.cancelled()) return fail(ErrorCode::kCancelled, "%s: cancelled while building a tree", stage);
   } catch (const std::bad_alloc&) {  // of the order of the points
   }
-  if (!built) {
-    if (memory.cancelled()) return fail(ErrorCode::kCancelled, "%s: cancelled while building a tree", stage);
+  if (pairs == 0) {
     return fail(
         ErrorCode::kOutOfMemory,
         "%s: the %dD tree of %zu points needs more than the %.1f MiB that were left of the arena's %.1f MiB.\tUse a "
         "larger arena or fewer points",
-        stage, Dimension, points.size(), mib(memory.taken()), mib(arena.capacity()));
+        stage, Dimension, points.size(), mib(left), mib(arena.capacity()));
   }
+  PLUMBLINE_TRY(arena.take_top<std::byte>(std::size_t{pairs} * TreeNodes::kPairBytes, stage));
   return tree;
 }
 

@@ -60,6 +60,9 @@ class Arena {
     return take<T>(count, stage, false).map([&](std::span<T> taken) { block = taken; });
   }
 
+  /// What is left, for a stage that learns only while it fills the room how much it needs. It takes that much afterwards.
+  std::span<std::byte> free_room() const { return {base_ + bottom_, available()}; }
+
   std::size_t bottom_mark() const { return bottom_; }
   std::size_t top_mark() const { return top_; }
   void release_bottom(std::size_t mark) { bottom_ = mark; }
