@@ -50,13 +50,11 @@ bool RegionContacts::find(const LayerRegions& below, const LayerRegions& above) 
   };
   const std::uint32_t first_enclosed = std::min(below.first_enclosed_row(), above.first_enclosed_row());
   for (std::uint32_t r = 0; r < below.rows() && room; ++r) {
-    if (r < first_enclosed) {
-      for_each_white_contact_in_row(below, above, r, add);
-      continue;
-    }
-    for_each_contact_in_row(below, above, r, [&](const RegionContact& contact) {
-      // Black pixels of the outside, in both layers.
-      if (!contact.white && contact.below == LayerRegions::kOutside && contact.above == LayerRegions::kOutside) return;
+    for_each_contact_in_row(below, above, r, true, add);
+    if (r < first_enclosed) continue;
+    for_each_contact_in_row(below, above, r, false, [&](const RegionContact& contact) {
+      // Pixels of the outside, in both layers.
+      if (contact.below == LayerRegions::kOutside && contact.above == LayerRegions::kOutside) return;
       add(contact);
     });
   }

@@ -79,31 +79,13 @@ struct RegionContact {
   bool white;
 };
 
-/// Calls use(contact) for every such pair in a row, from left to right.
+/// Calls use(contact) for every such pair of white or of black runs in a row, from left to right.
 template <class Use>
-void for_each_contact_in_row(const LayerRegions& below, const LayerRegions& above, std::uint32_t row, Use use) {
-  std::uint32_t a = below.row_begin(row);
-  std::uint32_t b = above.row_begin(row);
-  const std::uint32_t a_end = below.row_begin(row + 1);
-  const std::uint32_t b_end = above.row_begin(row + 1);
-  while (a < a_end && b < b_end) {
-    const LayerRegions::Run ra = below.run(a);
-    const LayerRegions::Run rb = above.run(b);
-    const bool overlap = ra.first <= rb.last && rb.first <= ra.last && ra.first <= ra.last && rb.first <= rb.last;
-    if (overlap && below.white(row, a) == above.white(row, b)) {
-      const std::uint32_t shared = 1U + std::min(ra.last, rb.last) - std::max(ra.first, rb.first);
-      use(RegionContact{below.region(a), above.region(b), shared, above.white(row, b)});
-    }
-    // An empty run stands only at the start of a row.
-    (rb.first > rb.last || (ra.first <= ra.last && rb.last <= ra.last)) ? ++b : ++a;
-  }
-}
-
-/// The same for white runs only.
-template <class Use>
-void for_each_white_contact_in_row(const LayerRegions& below, const LayerRegions& above, std::uint32_t row, Use use) {
-  std::uint32_t a = below.row_begin(row) + 1;
-  std::uint32_t b = above.row_begin(row) + 1;
+void for_each_contact_in_row(const LayerRegions& below, const LayerRegions& above, std::uint32_t row, bool white,
+                             Use use) {
+  // Colours alternate, black first. An empty black run overlaps none.
+  std::uint32_t a = below.row_begin(row) + (white ? 1 : 0);
+  std::uint32_t b = above.row_begin(row) + (white ? 1 : 0);
   const std::uint32_t a_end = below.row_begin(row + 1);
   const std::uint32_t b_end = above.row_begin(row + 1);
   while (a < a_end && b < b_end) {
@@ -111,15 +93,17 @@ void for_each_white_contact_in_row(const LayerRegions& below, const LayerRegions
     const LayerRegions::Run rb = above.run(b);
     const std::uint32_t first = std::max(ra.first, rb.first);
     const std::uint32_t last = std::min(ra.last, rb.last);
-    if (first <= last) use(RegionContact{below.region(a), above.region(b), 1U + last - first, true});
+    if (first <= last) use(RegionContact{below.region(a), above.region(b), 1U + last - first, white});
     rb.last <= ra.last ? b += 2 : a += 2;
   }
 }
 
-/// Calls use(contact) for every such pair, by rows and from left to right.
+/// Calls use(contact) for every such pair, by rows.
 template <class Use>
 void for_each_contact(const LayerRegions& below, const LayerRegions& above, Use use) {
-  for (std::uint32_t r = 0; r < below.rows(); ++r) for_each_contact_in_row(below, above, r, use);
+  for (std::uint32_t r = 0; r < below.rows(); ++r) {
+    for (const bool white : {false, true}) for_each_contact_in_row(below, above, r, white, use);
+  }
 }
 
 }  // namespace plumbline

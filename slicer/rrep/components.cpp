@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "slicer/core/disjoint_sets.hpp"
 
@@ -113,9 +114,10 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
 
   std::span<Ray> above = rows->first(grid.columns);
   std::span<Ray> here = rows->last(grid.columns);
-  std::fill(above.begin(), above.end(), Ray{});
   std::uint32_t next = 1;
-  store.for_each_row(*room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+  std::uint32_t row_above = grid.rows;  // none
+  store.for_each_row(*room, [&](std::uint32_t r, std::span<CrossingStore::RayRef> row) {
+    if (r != std::exchange(row_above, r) + 1) std::fill(above.begin(), above.end(), Ray{});
     for (std::uint32_t c = 0; c < grid.columns; ++c) {
       here[c] = Ray{row[c].crossings(), next};
       next += here[c].inner();
@@ -170,11 +172,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   for_each_ray(store, *room, [&](CrossingStore::RayRef& ref, const Ray& ray) {
     // A crossing stays if the intervals on both sides of it still differ once components have changed.
     const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != component_of(ray, s).goes; };
-    ref.begin_rewrite();
-    for (std::uint32_t s = 0; s < ray.crossings.size(); ++s) {
-      if (solid(s) != solid(s + 1)) ref.keep(ray.crossings[s]);
-    }
-    ref.end_rewrite();
+    ref.rewrite([&](std::uint32_t s) { return solid(s) != solid(s + 1); });
   });
   return counts;
 }

@@ -75,7 +75,7 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
 
   PLUMBLINE_TRY(arena.take_bottom(first, std::size_t{grid.layers} + 1, "R-Rep"));
   std::fill(first.begin(), first.end(), 0);
-  store.for_each_filled_row(*room, [&](std::uint32_t, std::span<const RayRef> rays) {
+  store.for_each_row(*room, [&](std::uint32_t, std::span<const RayRef> rays) {
     for (const RayRef& ray : rays) {
       const auto crossings = ray.crossings();
       if (crossings.empty()) continue;
@@ -91,7 +91,7 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
   PLUMBLINE_TRY(arena.take_bottom(pixel, first.back(), "R-Rep"));
   // first[k] is where the layer's next crossing goes; after the last one it has become first[k + 1].
-  store.for_each_filled_row(*room, [&](std::uint32_t row, std::span<const RayRef> rays) {
+  store.for_each_row(*room, [&](std::uint32_t row, std::span<const RayRef> rays) {
     std::uint32_t at = row * grid.columns;
     for (const RayRef& ray : rays) {
       for (const std::uint16_t layer : ray.crossings()) pixel[first[layer]++] = at;

@@ -43,11 +43,16 @@ class CrossingStore {
   class RayRef {
    public:
     std::span<const std::uint16_t> crossings() const { return {read_, *count_}; }
-    void begin_rewrite() { kept_ = 0; }
-    void keep(std::uint16_t layer) { (*write_)[kept_++] = layer; }
-    void end_rewrite() {
-      *count_ = static_cast<std::uint8_t>(kept_);
-      *write_ += kept_;
+    /// Leaves the crossings for whose number keeps() is true.
+    template <class Keeps>
+    void rewrite(Keeps keeps) {
+      const std::uint32_t before = *count_;
+      *count_ = 0;
+      for (std::uint32_t i = 0; i < before; ++i) {
+        if (!keeps(i)) continue;
+        *(*write_)++ = read_[i];
+        ++*count_;
+      }
     }
 
    private:
@@ -55,7 +60,6 @@ class CrossingStore {
     std::uint8_t* count_ = nullptr;
     const std::uint16_t* read_ = nullptr;
     std::uint16_t** write_ = nullptr;  ///< where the next crossing of the tile is written
-    std::uint32_t kept_ = 0;
   };
 
   /// Work space of for_each_row().
@@ -70,17 +74,10 @@ class CrossingStore {
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] Expected<RowRoom> take_row_room(Arena& arena) const;
 
-  /// Calls `visit(row, rays)` for each row of the grid, in order, with one RayRef a column. A visitor that rewrites a ray must
-  /// rewrite all rays.
+  /// Calls `visit(row, rays)` for each row of the grid, in order, with one RayRef a column; not for rows whose tiles have no crossing, as most
+  /// of a panel's. A visitor that rewrites a ray must rewrite all rays.
   template <class Visit>
-  void for_each_row(const RowRoom& room, Visit visit) {
-    visit_rows(room, false, visit);
-  }
-  /// As for_each_row(), without rows whose tiles have no crossing: most of a panel's rows are such.
-  template <class Visit>
-  void for_each_filled_row(const RowRoom& room, Visit visit) {
-    visit_rows(room, true, visit);
-  }
+  void for_each_row(const RowRoom& room, Visit visit);
 
   std::size_t bytes() const { return directory_.size_bytes() + std::size_t{used_} * sizeof(std::uint16_t); }
   std::uint32_t crossings() const;  ///< of all rays
@@ -96,9 +93,6 @@ class CrossingStore {
   std::uint64_t section_pixels() const { return section_pixels_; }
 
  private:
-  template <class Visit>
-  void visit_rows(const RowRoom& room, bool skips_empty, Visit visit);
-
   PrintGrid grid_;
   std::uint32_t tile_columns_ = 0;
   std::uint32_t tile_rows_ = 0;
@@ -110,11 +104,11 @@ class CrossingStore {
 };
 
 template <class Visit>
-void CrossingStore::visit_rows(const RowRoom& room, bool skips_empty, Visit visit) {
+void CrossingStore::for_each_row(const RowRoom& room, Visit visit) {
   std::uint8_t none = 0;
   for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
     const auto directory = directory_.subspan(std::size_t{tile_row} * tile_columns_, tile_columns_);
-    if (skips_empty && std::ranges::all_of(directory, [](std::uint32_t at) { return at == kEmpty; })) continue;
+    if (std::ranges::all_of(directory, [](std::uint32_t at) { return at == kEmpty; })) continue;
     for (std::uint32_t t = 0; t < tile_columns_; ++t) {
       // The end of data_ if the last tile has no crossings.
       room.reads[t] = room.writes[t] =
