@@ -8,7 +8,6 @@
 #include "slicer/core/words/plural.hpp"
 #include "slicer/mesh_slicing.hpp"
 #include "slicer/plan/memory_plan.hpp"
-#include "slicer/plan/scan_admission.hpp"
 #include "slicer/source_checks.hpp"
 #include "slicer/surface/surface_points.hpp"
 
@@ -78,13 +77,24 @@ class Preparation {
     const PlacementSettings& placement = settings_.placement;
     std::optional<PrintGrid> panel;
     if (placement.printer) panel = panel_grid(*placement.printer, placement.layer_height_mm);
-    auto admission = ScanAdmission::create(arena_.available(), panel, settings_.threads, settings_.confidence);
-    PLUMBLINE_TRY(admission);
+    const std::uint32_t threads = settings_.threads;
+    const std::size_t budget = arena_.available();
+    PlanEvidence evidence{.confidence = settings_.confidence, .arena_bytes = budget};
+    PLUMBLINE_TRY(largest_plan(budget, std::nullopt, panel, threads, evidence));
+    std::size_t reading_bytes = 0;
     const CloudReadSettings reading{rotation_matrix(placement.rotation_degrees), first_cell(placement),
                                     first_cell(placement.with_units(Units::kMillimetres))};
     const auto admit = [&](const ScanAnnouncement& announced) -> Expected<std::uint32_t> {
       PLUMBLINE_TRY(check_units(sources_, placement.units, announced.some_in_mm, announced.some_in_any_unit));
-      return admission->admit(announced);
+      evidence.reader_bytes = announced.reader_bytes;
+      evidence.kept_bytes = announced.kept_bytes;
+      const auto largest = largest_plan(budget, std::nullopt, panel, threads, evidence);
+      PLUMBLINE_TRY(largest);
+      report_.cloud_capacity = largest->points;
+      const auto plan = largest_plan(budget, announced.points, panel, threads, evidence);
+      PLUMBLINE_TRY(plan);
+      reading_bytes = plan->of(Stage::kRead);
+      return plan->points;
     };
     const auto read = read_cloud(sources_, reading, admit, arena_, progress_);
     PLUMBLINE_TRY(read);
@@ -93,11 +103,11 @@ class Preparation {
     report_.scans = read->scans;
     report_.scan = sum_of(read->scans);
     PLUMBLINE_TRY(check_units(sources_, placement.units, report_));
-    report_.cloud_capacity = admission->room();
     report_.cloud_points = read->cloud.size;
     report_.averaged_points = read->averaged;
     report_.lengths.thinning_cell = {static_cast<float>(read->cell)};
-    report_.planned_bytes = admission->plan_for(read->cloud.size).bytes;
+    report_.planned_bytes = plan_memory(read->cloud.size, panel, threads, evidence).bytes;
+    report_.planned_bytes[static_cast<std::size_t>(Stage::kRead)] = reading_bytes;
     return {};
   }
 

@@ -18,6 +18,7 @@ struct ViewAlignment;
 struct MemoryPlan {
   std::uint32_t points = 0;                         ///< of the cloud that the plan is for
   std::array<std::size_t, kStageCount> bytes = {};  ///< by Stage
+  std::size_t of(Stage stage) const { return bytes[static_cast<std::size_t>(stage)]; }
   std::size_t peak() const;
   Stage widest() const;  ///< the stage with the peak
 };

@@ -52,7 +52,7 @@ MemoryPlan plan_of(const PlacedObject& object, const SeenSurface& seen) {
 
 std::uint32_t most_ray_points(const PlacedObject& object, const Arena& arena) {
   const MemoryPlan plan = plan_of(object, SeenSurface(object));
-  const std::size_t others = plan.bytes[static_cast<std::size_t>(Stage::kRays)] - ray_points_bytes(object.cloud.size);
+  const std::size_t others = plan.of(Stage::kRays) - ray_points_bytes(object.cloud.size);
   return ray_points_in(arena.capacity() - std::min(arena.capacity(), others));
 }
 
@@ -61,7 +61,7 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
   const MemoryPlan plan = plan_of(object, seen);
   for (const Stage stage :
        {Stage::kWindingTree, Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
-    planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];
+    planned_bytes[static_cast<std::size_t>(stage)] = plan.of(stage);
   }
   // A refusal counts only surface that the scan has seen.
   const RayYield sure = yield_of(object, kSureShare * (seen.entering + seen.exiting));

@@ -80,7 +80,7 @@ TEST(ScanSources, ArePlannedAndThinnedTogether) {
   EXPECT_EQ(half.reading.averaged, 0U);
   const AdmittedCloud thinned = read({top, bottom}, kForHalf);
   EXPECT_GT(thinned.reading.averaged, 0U);
-  EXPECT_LE(thinned.reading.cloud.size, thinned.room);
+  EXPECT_LE(thinned.reading.cloud.size, thinned.plan.points);
   EXPECT_LE(thinned.plan.peak(), kForHalf);
   // With enough room, the plan is that of all points together.
   EXPECT_EQ(read({top, bottom}, 100 * kMiB).plan.points, read({one}, 100 * kMiB).plan.points);
