@@ -83,7 +83,7 @@ class RayStages {
     const std::uint32_t points = cloud_.size;
     join_points(cloud_, most_ray_points(placed(false), arena_));
     spread_ = std::sqrt(static_cast<float>(points) / static_cast<float>(cloud_.size));
-    return cloud_.give_back(arena_);
+    return cloud_.give_back(cloud_.size, arena_);
   }
 
   Status build_winding_tree() {

@@ -88,14 +88,14 @@ void Cloud::drop_noise() {
   size = kept;
 }
 
-Status Cloud::give_back(Arena& arena) {
+Status Cloud::give_back(std::uint32_t kept, Arena& arena) {
   const Cloud before = *this;
   const auto bytes_of = [](auto... column) { return (Arena::rounded(column.size_bytes()) + ...); };
   arena.release_top(arena.top_mark() + bytes_of(position, normal, radius));
   // The first column lies highest. Each moves up, over room that those above it have left.
   const auto move = [&](auto& column, auto from) -> Status {
-    PLUMBLINE_TRY(arena.take_top(column, size, "cloud"));
-    std::copy_backward(from.begin(), from.begin() + size, column.end());
+    PLUMBLINE_TRY(arena.take_top(column, kept, "cloud"));
+    std::copy_backward(from.begin(), from.begin() + size, column.begin() + size);
     return {};
   };
   PLUMBLINE_TRY(move(position, before.position));

@@ -94,9 +94,10 @@ struct Cloud {
   /// Removes the points of class kNoise and keeps the order of the others.
   void drop_noise();
 
-  /// Gives the room of points that are not in use back to the arena, where nothing has been taken at the top since create().
+  /// Gives room back to the arena, where nothing else has been taken at the top since create() or has been released.
+  /// @param kept  points that room is left for: those in use or more
   /// @retval ErrorCode::kOutOfMemory  only in an arena that refuses a block; the points are lost
-  [[nodiscard]] Status give_back(Arena& arena);
+  [[nodiscard]] Status give_back(std::uint32_t kept, Arena& arena);
 
   /// Bytes that reorder() takes.
   static std::size_t reorder_bytes(std::uint32_t points);

@@ -34,22 +34,9 @@ class CloudSink final : public PointSink {
   }
 
   Status begin(const ScanHeader& header) override {
-    if (thinner_) return thinner_->begin(header);
-    // The columns of a compressed file are released before the next file is read, so the largest counts.
-    const auto capacity = room_({.points = sum_of_bounds(later_.points, most_points(header, source_->size())),
-                                 .reader_bytes = std::max(header.reader_bytes, later_.reader_bytes),
-                                 .kept_bytes = later_.kept_bytes,
-                                 .some_in_mm = later_.some_in_mm || header.is_in_mm,
-                                 .some_in_any_unit = later_.some_in_any_unit || !header.is_in_mm});
-    PLUMBLINE_TRY(capacity);
-    PLUMBLINE_TRY(take_room(*capacity));
-    const auto table = arena_.take_top<std::byte>(PointThinner::table_bytes(*capacity), kStage);
-    PLUMBLINE_TRY(table);
-    read_ = reading_.cloud;
-    read_.position = read_.position.first(*capacity);
-    const double cell = header.is_in_mm ? settings_.first_cell_mm : settings_.first_cell;
-    thinner_.emplace(read_, *table, settings_.rotation, cell);
-    return thinner_->begin(header);
+    if (!thinner_) PLUMBLINE_TRY(take_room(header));
+    thinner_->begin(header);
+    return {};
   }
   Status take(std::span<const ScanPoint> points) override {
     const Status taken = thinner_->take(points);
@@ -59,29 +46,35 @@ class CloudSink final : public PointSink {
   bool progress(double fraction) override { return progress_.advance(fraction); }
 
   /// Releases the room that no point took, and everything that was only for reading.
-  /// @param top  mark of the arena before the room was taken
-  Expected<CloudReading> finish(std::size_t top) {
+  Expected<CloudReading> finish() {
     reading_.averaged = thinner_->points_averaged();
     reading_.cell = reading_.averaged > 0 ? thinner_->cell() : 0;
     reading_.offset = thinner_->offset();
-    arena_.release_top(top);
-    PLUMBLINE_TRY(take_room(read_.size));
-    // Each block moves up or stays. The highest moves first, so none overwrites one that is still to be moved.
-    const auto positions = read_.positions();
-    const auto normals = read_.normal.first(read_.size);
-    std::copy_backward(positions.begin(), positions.end(), reading_.cloud.position.begin() + read_.size);
-    std::copy_backward(normals.begin(), normals.end(), reading_.cloud.normal.begin() + read_.size);
-    reading_.cloud.size = read_.size;
+    Cloud& cloud = reading_.cloud;
+    arena_.release_top(below_cloud_);
+    PLUMBLINE_TRY(cloud.give_back(cloud.size + Cloud::spare(cloud.size), arena_));
     return reading_;
   }
   CloudReading& reading() { return reading_; }
 
  private:
-  /// Takes room for `points` points of the scan, and for those that later stages may add.
-  Status take_room(std::uint32_t points) {
-    const auto cloud = Cloud::create(points + Cloud::spare(points), arena_);
+  /// Takes room for points of the scan, and for those that later stages may add.
+  Status take_room(const ScanHeader& header) {
+    // The columns of a compressed file are released before the next file is read, so the largest counts.
+    const auto capacity = room_({.points = sum_of_bounds(later_.points, most_points(header, source_->size())),
+                                 .reader_bytes = std::max(header.reader_bytes, later_.reader_bytes),
+                                 .kept_bytes = later_.kept_bytes,
+                                 .some_in_mm = later_.some_in_mm || header.is_in_mm,
+                                 .some_in_any_unit = later_.some_in_any_unit || !header.is_in_mm});
+    PLUMBLINE_TRY(capacity);
+    const auto cloud = Cloud::create(*capacity + Cloud::spare(*capacity), arena_);
     PLUMBLINE_TRY(cloud);
     reading_.cloud = *cloud;
+    below_cloud_ = arena_.top_mark();
+    const auto table = arena_.take_top<std::byte>(PointThinner::table_bytes(*capacity), kStage);
+    PLUMBLINE_TRY(table);
+    const double cell = header.is_in_mm ? settings_.first_cell_mm : settings_.first_cell;
+    thinner_.emplace(reading_.cloud, *capacity, *table, settings_.rotation, cell);
     return {};
   }
 
@@ -92,7 +85,7 @@ class CloudSink final : public PointSink {
   const ByteSource* source_ = nullptr;  ///< the file that is being read
   StageProgress progress_;              ///< of that file
   CloudReading reading_;
-  Cloud read_;  ///< reading_.cloud without its spare room
+  std::size_t below_cloud_ = 0;  ///< mark of the arena
   std::optional<PointThinner> thinner_;
 };
 
@@ -149,7 +142,6 @@ class ScanQueue {
 /// Leaves the release of the bottom to the caller, and on error that of the top too.
 Expected<CloudReading> read_all(ScanSources sources, const CloudReadSettings& settings, RoomForPoints room,
                                 Arena& arena, ProgressSink* progress) {
-  const std::size_t top = arena.top_mark();
   // The reader's workspace is at the bottom, since the size of the cloud at the top depends on the header it reads.
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
@@ -165,7 +157,7 @@ Expected<CloudReading> read_all(ScanSources sources, const CloudReadSettings& se
     arena.release_bottom(bottom);
     sink.reading().scans.add(*summary);
   }
-  return sink.finish(top);
+  return sink.finish();
 }
 
 }  // namespace

@@ -40,22 +40,21 @@ std::size_t slots_for(std::uint32_t capacity) { return std::bit_ceil(std::size_t
 
 std::size_t PointThinner::table_bytes(std::uint32_t capacity) { return slots_for(capacity) * sizeof(std::uint32_t); }
 
-PointThinner::PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d& rotation, double cell)
+PointThinner::PointThinner(Cloud& cloud, std::uint32_t capacity, std::span<std::byte> table, const Mat3d& rotation,
+                           double cell)
     : cloud_(cloud),
-      table_(std::span(reinterpret_cast<std::uint32_t*>(table.data()), slots_for(cloud.capacity()))),
-      index_mask_(std::bit_ceil(cloud.capacity() + 1) - 1),
+      capacity_(capacity),
+      table_(std::span(reinterpret_cast<std::uint32_t*>(table.data()), slots_for(capacity))),
+      index_mask_(std::bit_ceil(capacity + 1) - 1),
       rotation_(rotation),
       cell_(cell) {
   table_.clear();
 }
 
-Status PointThinner::begin(const ScanHeader& header) {
+void PointThinner::begin(const ScanHeader& header) {
   unsigned_normals_ = unsigned_normals_ || header.has_unsigned_normals;
   seen_before_ = seen_;
-  return {};
 }
-
-bool PointThinner::progress(double /*fraction*/) { return true; }
 
 PointThinner::Key PointThinner::key_of(const Vec3f& p) const {
   // All coordinates beyond 1e18 cells share a cell, so the conversion can't overflow. No intact scan is that large.
@@ -114,9 +113,9 @@ void PointThinner::add(const Incoming& point) {
       ++averaged_;
       return;
     }
-    if (cloud_.size < cloud_.capacity()) table_[slot] = (cloud_.size + 1) | tag_of(point.hash);
+    if (cloud_.size < capacity_) table_[slot] = (cloud_.size + 1) | tag_of(point.hash);
   }
-  if (cloud_.size == cloud_.capacity()) {
+  if (cloud_.size == capacity_) {
     grow_cell();
     Incoming again = point;
     find_cell(again);
@@ -155,7 +154,7 @@ void PointThinner::add(std::span<Incoming> points) {
 
 void PointThinner::grow_cell() {
   // Eight cells meet at the origin, so cells of any size may leave eight points.
-  const auto goal = std::max<std::uint32_t>(8, static_cast<std::uint32_t>(kRefill * cloud_.capacity()));
+  const auto goal = std::max<std::uint32_t>(8, static_cast<std::uint32_t>(kRefill * capacity_));
   do {
     if (cell_ > 0) {
       cell_ *= 2;

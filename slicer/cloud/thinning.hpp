@@ -12,7 +12,7 @@ namespace plumbline {
 
 /// Averages the points in each cell of a cubic grid while they stream in. When the cloud is full, cells double in size, in
 /// place, until at most kRefill of the capacity is used. The result depends only on the points and their order.
-class PointThinner final : public PointSink {
+class PointThinner {
  public:
   /// Most of the capacity that may stay used after the cell has grown. A lower value would thin more than needed if the scan
   /// ends soon after; a higher one could find the cloud full again at once.
@@ -21,17 +21,18 @@ class PointThinner final : public PointSink {
   /// Bytes of the table of cells for a cloud of `capacity` points.
   static std::size_t table_bytes(std::uint32_t capacity);
 
-  /// @param cloud     empty; its capacity is the limit
-  /// @param table     table_bytes(cloud.capacity()) bytes, aligned to 4
+  /// @param cloud     empty
+  /// @param capacity  most points, at most those that the cloud has room for
+  /// @param table     table_bytes(capacity) bytes, aligned to 4
   /// @param rotation  from scan axes to print axes, applied to every point and normal
   /// @param cell      edge of the first cells, scan units; 0: no thinning until the cloud is full, then 1/4096 of the
   ///                  longest side, which points far away from the others don't make longer
-  PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d& rotation, double cell);
+  PointThinner(Cloud& cloud, std::uint32_t capacity, std::span<std::byte> table, const Mat3d& rotation, double cell);
 
-  /// Call once for each file.
-  Status begin(const ScanHeader& header) override;
-  Status take(std::span<const ScanPoint> points) override;
-  bool progress(double fraction) override;
+  /// Call once for each file, before its points.
+  void begin(const ScanHeader& header);
+  /// @retval ErrorCode::kMalformed  a point is too far away for a float
+  [[nodiscard]] Status take(std::span<const ScanPoint> points);
 
   double cell() const { return cell_; }                        ///< edge, scan units; 0: nothing was averaged
   std::uint64_t points_averaged() const { return averaged_; }  ///< points merged into another one
@@ -67,6 +68,7 @@ class PointThinner final : public PointSink {
   void grow_cell();
 
   Cloud& cloud_;
+  std::uint32_t capacity_;
   /// Index + 1 of a cell's point, and the tag of the point's cell in the bits above index_mask_: of two cells that want the same
   /// slot, the tag nearly always tells which one has it, without a look at the point.
   CellTable<std::uint32_t> table_;

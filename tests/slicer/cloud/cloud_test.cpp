@@ -27,7 +27,7 @@ TEST(Cloud, GivesTheRoomOfPointsBackThatAreNotInUse) {
       cloud.radius[i] = 3 * x;
       cloud.normal[i].weight = static_cast<std::uint8_t>(i % 200);
     }
-    check(cloud.give_back(*arena));
+    check(cloud.give_back(left, *arena));
     EXPECT_EQ(cloud.capacity(), left);
     EXPECT_LT(arena->top_used(), Cloud::kBytesPerPoint * left + 3 * Arena::kAlignment);
     for (std::uint32_t i = 0; i < left; ++i) {

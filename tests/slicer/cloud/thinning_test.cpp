@@ -23,8 +23,8 @@ class Thinning {
   Thinning(std::uint32_t capacity, double cell, const Mat3d& rotation = Mat3d::Identity())
       : arena_(std::size_t{capacity} * 64 + 64 * 1024),
         cloud_(value_of(Cloud::create(capacity, *arena_))),
-        thinner_(cloud_, value_of(arena_->take_top<std::byte>(PointThinner::table_bytes(capacity), "test")), rotation,
-                 cell) {}
+        thinner_(cloud_, capacity, value_of(arena_->take_top<std::byte>(PointThinner::table_bytes(capacity), "test")),
+                 rotation, cell) {}
   Thinning(const Thinning&) = delete;
   Thinning& operator=(const Thinning&) = delete;
 
@@ -161,10 +161,9 @@ TEST(PointThinner, DependsOnTheOrderOfThePointsAndNotOnHowTheyAreBatched) {
     all.push_back({p.position[0], p.position[1], p.position[2], static_cast<float>(p.normal[0]),
                    static_cast<float>(p.normal[1]), static_cast<float>(p.normal[2])});
   }
-  // The same PointSink that a reader fills.
   ArenaBlock arena(kMiB);
   Cloud cloud = value_of(Cloud::create(1500, *arena));
-  PointThinner thinner(cloud, value_of(arena->take_top<std::byte>(PointThinner::table_bytes(1500), "test")),
+  PointThinner thinner(cloud, 1500, value_of(arena->take_top<std::byte>(PointThinner::table_bytes(1500), "test")),
                        Mat3d::Identity(), 0);
   check(thinner.take(all));
   ASSERT_EQ(cloud.size, one_by_one.cloud().size);
