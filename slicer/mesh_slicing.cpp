@@ -70,10 +70,8 @@ class MeshStages {
                                     {progress_, Stage::kRays, kFieldRead, kFieldBuilt}));
       }
     }
-    auto store = resolve_hits(hits_, grid(), whole ? nullptr : &field_, settings_.threads, arena_,
-                              {progress_, Stage::kRays, done, 1}, *report_.mesh);
-    arena_.reset_peak();  // the open store took the rest of the arena; the stage's need is what is used now
-    return store;
+    return resolve_hits(hits_, grid(), whole ? nullptr : &field_, settings_.threads, arena_,
+                        {progress_, Stage::kRays, done, 1}, *report_.mesh);
   }
 
  private:

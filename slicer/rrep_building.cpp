@@ -143,16 +143,8 @@ class RayStages {
     field.height_field = is_height_field();
     const float tolerance = std::max(kLayerShare * grid().layer_height_mm, kNoiseShare * report_.lengths.noise.value);
     ConfidenceMap* const confidence = settings_.confidence ? &report_.confidence : nullptr;
-    auto shooter = RayShooter::create(field, tolerance, confidence, settings_.threads, arena_);
-    PLUMBLINE_TRY(shooter);
-    auto store = CrossingStore::create(grid(), arena_);
-    PLUMBLINE_TRY(store);
-    const auto rays = shooter->shoot(*store, progress_);
-    PLUMBLINE_TRY(rays);
-    report_.rays = *rays;
-    store->close(arena_);
-    arena_.reset_peak();  // the open store took the rest of the arena; the stage's need is what is used now
-    return store;
+    return shoot_all_rays(field, tolerance, confidence, settings_.threads, arena_, {progress_, Stage::kRays},
+                          report_.rays);
   }
 
   Cloud& cloud_;

@@ -10,7 +10,7 @@ namespace plumbline {
 
 SliceSettings set_threads(const SliceSettings& settings) {
   SliceSettings checked = settings;
-  checked.threads = std::clamp<std::uint32_t>(settings.threads, 1, RayShooter::kMaxThreads);
+  checked.threads = std::clamp<std::uint32_t>(settings.threads, 1, kMaxThreads);
   omp_set_num_threads(static_cast<int>(checked.threads));
   return checked;
 }

@@ -27,7 +27,7 @@ struct SliceSettings {
 };
 
 /// Sets the number of OpenMP threads.
-/// @returns `settings` with 1 to RayShooter::kMaxThreads threads
+/// @returns `settings` with 1 to kMaxThreads threads
 SliceSettings set_threads(const SliceSettings& settings);
 
 }  // namespace plumbline

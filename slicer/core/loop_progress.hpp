@@ -26,6 +26,8 @@ class LoopProgress {
     }
     return !stop_.load(std::memory_order_relaxed);
   }
+  /// Skips all further steps. Call from any thread.
+  void stop() { stop_ = true; }
   bool stopped() const { return stop_; }
 
  private:

@@ -261,7 +261,7 @@ Expected<CrossingStore> resolve_hits(const HitList& hits, const PrintGrid& grid,
     counts.asked_rays += worker.open ? worker.open->asked() : 0;
     counts.crowded_rays += worker.counts.crowded_rays;
   }
-  store->close(arena);
+  PLUMBLINE_TRY(store->close(arena));
   return store;
 }
 

@@ -136,7 +136,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
     set(Stage::kLayers, map + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts));
   }
-  const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(evidence.ray_points.value_or(room)));
+  const std::size_t workers = threads * ray_worker_bytes(tile_capacity(evidence.ray_points.value_or(room)));
   const std::size_t shooting = kSlack + map + store + workers;
   const std::uint32_t ray_points = evidence.ray_points.value_or(
       std::clamp(ray_points_in(evidence.arena_bytes - std::min(evidence.arena_bytes, shooting)),

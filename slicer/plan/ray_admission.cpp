@@ -65,8 +65,7 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
   }
   // A refusal counts only surface that the scan has seen.
   const RayYield sure = yield_of(object, kSureShare * (seen.entering + seen.exiting));
-  const std::size_t shooting = arena.used() +
-                               object.threads * RayShooter::bytes_needed(tile_capacity(object.cloud.size)) +
+  const std::size_t shooting = arena.used() + object.threads * ray_worker_bytes(tile_capacity(object.cloud.size)) +
                                store_bytes(object.grid, sure);
   const std::size_t map = object.confidence ? ConfidenceMap::bytes_needed(object.grid.layers) : 0;
   const std::size_t sorting =

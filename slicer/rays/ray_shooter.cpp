@@ -3,7 +3,9 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <atomic>
+
+#include "slicer/core/loop_progress.hpp"
+#include "slicer/rays/ray_lattice.hpp"
 
 namespace plumbline {
 namespace {
@@ -28,37 +30,19 @@ std::uint32_t to_layers(std::span<const RayCrossing> crossings, const PrintGrid&
   return count;
 }
 
-}  // namespace
+/// What a thread shoots with.
+struct Worker {
+  RayClassifier classifier;
+  RayLattice lattice;
+  std::span<std::uint16_t> layers;
+  RayCounts counts;
+};
 
-std::size_t RayShooter::bytes_needed(std::uint32_t tile_capacity) {
-  return RayClassifier::bytes_needed(tile_capacity) + Arena::rounded(sizeof(RayLattice)) +
-         Arena::rounded(sizeof(std::uint16_t) * kRaysPerTile * RayClassifier::kMaxCrossings);
-}
+constexpr std::size_t kMostLayers = std::size_t{kRaysPerTile} * RayClassifier::kMaxCrossings;  ///< of a tile
 
-Expected<RayShooter> RayShooter::create(const RayField& field, float tolerance, ConfidenceMap* confidence,
-                                        std::uint32_t threads, Arena& arena) {
-  RayShooter shooter;
-  shooter.grid_ = field.grid;
-  shooter.confidence_ = confidence;
-  shooter.bounds_ = field.cloud->bounds();
-  shooter.bounds_.low -= Vec3f::Constant(field.max_radius);
-  shooter.bounds_.high += Vec3f::Constant(field.max_radius);
-  shooter.threads_ = std::clamp<std::uint32_t>(threads, 1, kMaxThreads);
-  for (Worker& worker : std::span(shooter.workers_).first(shooter.threads_)) {
-    const auto classifier = RayClassifier::create(field, arena);
-    PLUMBLINE_TRY(classifier);
-    PLUMBLINE_TRY(arena.take_top(worker.layers, std::size_t{kRaysPerTile} * RayClassifier::kMaxCrossings, "R-Rep"));
-    const auto lattice = arena.take_top<RayLattice>(1, "R-Rep");
-    PLUMBLINE_TRY(lattice);
-    lattice->front() = RayLattice(tolerance);
-    worker.classifier = *classifier;
-    worker.lattice = lattice->data();
-  }
-  return shooter;
-}
-
-Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore& store) const {
-  const PrintGrid& grid = grid_;
+Status shoot_tile(const RayField& field, const Box3f& bounds, std::uint32_t tile, Worker& worker,
+                  ConfidenceMap* confidence, CrossingStore& store) {
+  const PrintGrid& grid = field.grid;
   const std::uint32_t column = tile % store.tile_columns() * kTileSide;
   const std::uint32_t row = tile / store.tile_columns() * kTileSide;
   const std::uint32_t columns = std::min(kTileSide, grid.columns - column);
@@ -66,14 +50,14 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
   const Vec2f low(static_cast<float>(column) * grid.pitch_x_mm, static_cast<float>(row) * grid.pitch_y_mm);
   const Vec2f high =
       low + Vec2f(static_cast<float>(columns) * grid.pitch_x_mm, static_cast<float>(rows) * grid.pitch_y_mm);
-  if ((low.array() > bounds_.high.head<2>().array()).any() || (high.array() < bounds_.low.head<2>().array()).any()) {
+  if ((low.array() > bounds.high.head<2>().array()).any() || (high.array() < bounds.low.head<2>().array()).any()) {
     return {};
   }
   worker.classifier.begin_tile(column, row);
   RayCounts& total = worker.counts;
   total.thinned_tiles += worker.classifier.gatherer().thinned() ? 1 : 0;
 
-  RayLattice& lattice = *worker.lattice;
+  RayLattice& lattice = worker.lattice;
   const bool whole = columns * rows == kRaysPerTile;
   if (whole) {
     lattice.decide(worker.classifier, column, row);
@@ -91,8 +75,8 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
                                     ? ClassifiedRay{std::span(known.crossing).first(known.count), known.decision}
                                     : worker.classifier.ray(column + c, row + r);
       const std::uint32_t n = to_layers(ray.crossings, grid, &worker.layers[used], evidence.data());
-      for (std::uint32_t i = 0; confidence_ != nullptr && i < n; ++i) {
-        confidence_->add(column + c, row + r, worker.layers[used + i], evidence[i]);
+      for (std::uint32_t i = 0; confidence != nullptr && i < n; ++i) {
+        confidence->add(column + c, row + r, worker.layers[used + i], evidence[i]);
       }
       counts[at] = static_cast<std::uint8_t>(n);
       used += n;
@@ -103,45 +87,59 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
   return used > 0 ? store.put(tile, counts, worker.layers.first(used)) : Status{};
 }
 
-Expected<RayCounts> RayShooter::shoot(CrossingStore& store, ProgressSink* progress) {
+}  // namespace
+
+std::size_t ray_worker_bytes(std::uint32_t tile_capacity) {
+  return sizeof(Worker) + RayClassifier::bytes_needed(tile_capacity) +
+         Arena::rounded(kMostLayers * sizeof(std::uint16_t));
+}
+
+Expected<CrossingStore> shoot_all_rays(const RayField& field, float tolerance, ConfidenceMap* confidence,
+                                       std::uint32_t threads, Arena& arena, const StageProgress& progress,
+                                       RayCounts& counts) {
+  const auto workers = arena.take_top<Worker>(threads, "rays");
+  PLUMBLINE_TRY(workers);
+  for (Worker& worker : *workers) {
+    const auto classifier = RayClassifier::create(field, arena);
+    PLUMBLINE_TRY(classifier);
+    worker = {*classifier, RayLattice(tolerance), {}, {}};
+    PLUMBLINE_TRY(arena.take_top(worker.layers, kMostLayers, "rays"));
+  }
+  auto store = CrossingStore::create(field.grid, arena);
+  PLUMBLINE_TRY(store);
+  Box3f bounds = field.cloud->bounds();
+  bounds.low -= Vec3f::Constant(field.max_radius);
+  bounds.high += Vec3f::Constant(field.max_radius);
   // One thread shoots all tiles that share a column's winding numbers.
   constexpr std::uint32_t kSide = RayClassifier::kColumnTiles;
-  const std::uint32_t across = (store.tile_columns() + kSide - 1) / kSide;
-  const std::uint32_t columns = across * ((store.tile_rows() + kSide - 1) / kSide);
-  std::atomic<std::uint32_t> done = 0;
-  std::atomic<bool> stop = false;
+  const std::uint32_t across = (store->tile_columns() + kSide - 1) / kSide;
+  const std::uint32_t columns = across * ((store->tile_rows() + kSide - 1) / kSide);
+  LoopProgress loop(progress, columns * kSide * kSide);
   Status status;
-#pragma omp parallel for schedule(dynamic, 2) num_threads(static_cast <int>(threads_))
+#pragma omp parallel for schedule(dynamic, 2) num_threads(static_cast <int>(threads))
   for (std::uint32_t column = 0; column < columns; ++column) {
-    if (stop.load(std::memory_order_relaxed)) continue;
-    const int thread = omp_get_thread_num();
-    for (std::uint32_t t = 0; t < kSide * kSide; ++t) {
+    Worker& worker = (*workers)[static_cast<std::size_t>(omp_get_thread_num())];
+    for (std::uint32_t t = 0; t < kSide * kSide && loop.step(column * kSide * kSide + t); ++t) {
       const std::uint32_t x = column % across * kSide + t % kSide;
       const std::uint32_t y = column / across * kSide + t / kSide;
-      if (x >= store.tile_columns() || y >= store.tile_rows()) continue;
-      const Status stored = shoot_tile(workers_[static_cast<std::size_t>(thread)], y * store.tile_columns() + x, store);
-      if (!stored) {
+      if (x >= store->tile_columns() || y >= store->tile_rows()) continue;
+      const Status stored = shoot_tile(field, bounds, y * store->tile_columns() + x, worker, confidence, *store);
+      if (stored) continue;
 #pragma omp critical
-        status = stored;
-        stop = true;
-      }
-    }
-    const std::uint32_t before = done.fetch_add(1, std::memory_order_relaxed);
-    if (progress != nullptr && thread == 0 && before % 4 == 0 &&
-        !progress->advance(Stage::kRays, static_cast<double>(before) / columns)) {
-      stop = true;
+      status = stored;
+      loop.stop();
     }
   }
-  if (!status) return tl::unexpected<Error>(status.error());
-  if (stop) return fail(ErrorCode::kCancelled, "cancelled while shooting rays");
-  RayCounts sum;
-  for (const Worker& worker : std::span(workers_).first(threads_)) {
-    sum.thinned_tiles += worker.counts.thinned_tiles;
-    sum.guided += worker.counts.guided;
-    sum.interpolated += worker.counts.interpolated;
-    for (std::size_t d = 0; d < kRayDecisionCount; ++d) sum.decided[d] += worker.counts.decided[d];
+  PLUMBLINE_TRY(status);
+  if (loop.stopped()) return fail(ErrorCode::kCancelled, "cancelled while shooting rays");
+  for (const Worker& worker : *workers) {
+    counts.thinned_tiles += worker.counts.thinned_tiles;
+    counts.guided += worker.counts.guided;
+    counts.interpolated += worker.counts.interpolated;
+    for (std::size_t d = 0; d < kRayDecisionCount; ++d) counts.decided[d] += worker.counts.decided[d];
   }
-  return sum;
+  PLUMBLINE_TRY(store->close(arena));
+  return store;
 }
 
 }  // namespace plumbline

@@ -4,14 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <numeric>
-#include <span>
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/rays/ray_lattice.hpp"
+#include "slicer/rays/ray_classifier.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 
 namespace plumbline {
+
+inline constexpr std::uint32_t kMaxThreads = 64;
 
 struct RayCounts {
   std::array<std::uint64_t, kRayDecisionCount> decided = {};  ///< rays, by RayDecision
@@ -23,40 +24,17 @@ struct RayCounts {
   std::uint64_t interested() const { return std::reduce(decided.begin(), decided.end()); }
 };
 
-/// Shoots the rays of the grid with one worker a thread.
-class RayShooter {
- public:
-  static constexpr std::uint32_t kMaxThreads = 64;
+/// Bytes of arena that a thread takes while it shoots rays.
+std::size_t ray_worker_bytes(std::uint32_t tile_capacity);
 
-  /// Bytes of arena for one worker.
-  static std::size_t bytes_needed(std::uint32_t tile_capacity);
-
-  /// Takes the workers' memory from the top of the arena. Call it before CrossingStore::create(), which takes all that is left.
-  /// @param tolerance   mm, see RayLattice
-  /// @param confidence  may be null
-  /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] static Expected<RayShooter> create(const RayField& field, float tolerance, ConfidenceMap* confidence,
-                                                   std::uint32_t threads, Arena& arena);
-
-  /// Shoots every ray within the bounds of the cloud's supports and stores its crossings. The result does not depend on the number of
-  /// threads.
-  /// @retval ErrorCode::kOutOfMemory, kCancelled
-  [[nodiscard]] Expected<RayCounts> shoot(CrossingStore& store, ProgressSink* progress);
-
- private:
-  struct Worker {
-    RayClassifier classifier;
-    RayLattice* lattice = nullptr;
-    std::span<std::uint16_t> layers;
-    RayCounts counts;
-  };
-  Status shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore& store) const;
-
-  PrintGrid grid_;
-  ConfidenceMap* confidence_ = nullptr;
-  Box3f bounds_;  ///< of the cloud's supports, mm
-  std::array<Worker, kMaxThreads> workers_;
-  std::uint32_t threads_ = 1;
-};
+/// Shoots every ray within the bounds of the cloud's supports. The result does not depend on the number of threads.
+/// @param tolerance   mm, see RayLattice
+/// @param confidence  may be null
+/// @param threads     1 to kMaxThreads
+/// @param arena       the workers' memory stays at its top, and the crossings at its bottom
+/// @retval ErrorCode::kOutOfMemory, kCancelled
+[[nodiscard]] Expected<CrossingStore> shoot_all_rays(const RayField& field, float tolerance, ConfidenceMap* confidence,
+                                                     std::uint32_t threads, Arena& arena, const StageProgress& progress,
+                                                     RayCounts& counts);
 
 }  // namespace plumbline

@@ -22,8 +22,9 @@ Expected<CrossingStore> CrossingStore::create(const PrintGrid& grid, Arena& aren
   store.tile_rows_ = (grid.rows + kTileSide - 1) / kTileSide;
   PLUMBLINE_TRY(arena.take_bottom(store.directory_, std::size_t{store.tile_columns_} * store.tile_rows_, "R-Rep"));
   std::fill(store.directory_.begin(), store.directory_.end(), kEmpty);
-  const std::size_t room = std::min<std::size_t>(arena.available() / sizeof(std::uint16_t), kEmpty - 1);
-  PLUMBLINE_TRY(arena.take_bottom(store.data_, room / 32 * 32, "R-Rep"));
+  const std::span<std::byte> room = arena.free_room();
+  store.data_ = {reinterpret_cast<std::uint16_t*>(room.data()),
+                 std::min<std::size_t>(room.size() / sizeof(std::uint16_t), kEmpty - 1)};
   return store;
 }
 

@@ -23,7 +23,7 @@ class CrossingStore {
  public:
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
 
-  /// Takes the directory, and all that is left of the arena for the crossings.
+  /// Takes the directory. Until close() the crossings use all that is left of the arena, from which nothing must be taken.
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<CrossingStore> create(const PrintGrid& grid, Arena& arena);
 
@@ -82,8 +82,9 @@ class CrossingStore {
   std::size_t bytes() const { return directory_.size_bytes() + std::size_t{used_} * sizeof(std::uint16_t); }
   std::uint32_t crossings() const;  ///< of all rays
 
-  /// Gives the unused memory back.
-  void close(Arena& arena) { arena.trim_bottom(data_.data(), std::size_t{used_} * sizeof(std::uint16_t)); }
+  /// Takes the memory that the crossings use. Call it after the last put().
+  /// @retval ErrorCode::kOutOfMemory  only in an arena that refuses a block
+  [[nodiscard]] Status close(Arena& arena) { return arena.take_bottom(data_, used_, "R-Rep"); }
 
   /// Sorts all crossings by layer, into the R-Rep at the bottom of the arena. The store moves to the top first, so release
   /// all else there before. It also counts section_pixels().

@@ -57,7 +57,7 @@ CrossingStore store_of(const Voxels& voxels, Arena& arena) {
     }
     EXPECT_TRUE(store.put(t, counts, layers).has_value());
   }
-  store.close(arena);
+  check(store.close(arena));
   return store;
 }
 
