@@ -145,8 +145,7 @@ class Preparation {
   Status build_tree(const StageProgress& progress) {
     auto tree = KdTree3::build(scan_.cloud.positions(), arena_, "trees", progress);
     PLUMBLINE_TRY(tree);
-    PLUMBLINE_TRY(scan_.cloud.reorder(tree->order(), arena_));
-    tree->adopt_order();
+    scan_.cloud.reorder(tree->order());
     tree_ = *tree;
     return {};
   }

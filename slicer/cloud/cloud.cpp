@@ -1,17 +1,10 @@
 #include "slicer/cloud/cloud.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace plumbline {
 namespace {
-
-/// What is moved at a time: a normal, or two numbers.
-struct Piece {
-  float a, b;
-};
-static_assert(sizeof(Piece) == sizeof(PackedNormal));
 
 /// Calls put(mean) for each group of at most four neighbours, and reorders the points.
 template <class Put>
@@ -103,34 +96,25 @@ Status Cloud::give_back(std::uint32_t kept, Arena& arena) {
   return move(radius, before.radius);
 }
 
-std::size_t Cloud::reorder_bytes(std::uint32_t points) { return points * sizeof(Piece); }
-
-Status Cloud::reorder(std::span<const std::uint32_t> order, Arena& arena) {
-  const ArenaScope scope(arena);
-  const auto room = arena.take_top<Piece>(size, "reordering the cloud");
-  PLUMBLINE_TRY(room);
-  const auto copy = [&](auto from, auto to) {
-#pragma omp parallel for schedule(static)
-    for (std::uint32_t i = 0; i < size; ++i) (*room)[i] = from(order[i]);
-#pragma omp parallel for schedule(static)
-    for (std::uint32_t i = 0; i < size; ++i) to(i, (*room)[i]);
-  };
-  copy(
-      [&](std::uint32_t i) {
-        return Piece{position[i][0], position[i][1]};
-      },
-      [&](std::uint32_t i, const Piece& piece) { position[i].head<2>() << piece.a, piece.b; });
-  copy(
-      [&](std::uint32_t i) {
-        return Piece{position[i][2], radius[i]};
-      },
-      [&](std::uint32_t i, const Piece& piece) {
-        position[i][2] = piece.a;
-        radius[i] = piece.b;
-      });
-  copy([&](std::uint32_t i) { return std::bit_cast<Piece>(normal[i]); },
-       [&](std::uint32_t i, const Piece& piece) { normal[i] = std::bit_cast<PackedNormal>(piece); });
-  return {};
+void Cloud::reorder(std::span<std::uint32_t> order) {
+  for (std::uint32_t start = 0; start < size; ++start) {
+    // Along a cycle of the order each point moves to the place before it. A place that has its point comes from itself.
+    const Vec3f first_position = position[start];
+    const PackedNormal first_normal = normal[start];
+    const float first_radius = radius[start];
+    std::uint32_t to = start;
+    for (std::uint32_t from = order[to]; from != start; from = order[to]) {
+      position[to] = position[from];
+      normal[to] = normal[from];
+      radius[to] = radius[from];
+      order[to] = to;
+      to = from;
+    }
+    position[to] = first_position;
+    normal[to] = first_normal;
+    radius[to] = first_radius;
+    order[to] = to;
+  }
 }
 
 }  // namespace plumbline

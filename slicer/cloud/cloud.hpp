@@ -99,10 +99,9 @@ struct Cloud {
   /// @retval ErrorCode::kOutOfMemory  only in an arena that refuses a block; the points are lost
   [[nodiscard]] Status give_back(std::uint32_t kept, Arena& arena);
 
-  /// Bytes that reorder() takes.
-  static std::size_t reorder_bytes(std::uint32_t points);
-  /// Moves point order[i] to i. Takes room at the top of the arena, and releases it.
-  [[nodiscard]] Status reorder(std::span<const std::uint32_t> order, Arena& arena);
+  /// Moves point order[i] to i, for every i.
+  /// @param order  such as that of a tree; out: 0, 1, 2, ...
+  void reorder(std::span<std::uint32_t> order);
 };
 
 }  // namespace plumbline

@@ -285,15 +285,14 @@ Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> poin
 }
 
 template <int Dimension>
-std::span<const std::uint32_t> KdTree<Dimension>::order() const {
-  const auto& index = impl_->index.vAcc;
-  return {reinterpret_cast<const std::uint32_t*>(index.data()), index.size()};
+std::span<std::uint32_t> KdTree<Dimension>::order() {
+  auto& index = impl_->index.vAcc;
+  return {reinterpret_cast<std::uint32_t*>(index.data()), index.size()};
 }
 
 template <int Dimension>
-void KdTree<Dimension>::adopt_order() {
-  auto& index = impl_->index.vAcc;
-  for (std::uint32_t i = 0; i < index.size(); ++i) index[i] = PointIndex(i);
+std::span<const std::uint32_t> KdTree<Dimension>::order() const {
+  return KdTree(*this).order();
 }
 
 template <int Dimension>

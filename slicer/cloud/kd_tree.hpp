@@ -28,7 +28,7 @@ struct Neighbour {
 /// A kd-tree over the first Dimension coordinates of the points. Searches are const and may run in many threads.
 ///
 /// build() puts it at the top of the arena, where it stays until the arena releases it. The points must not move or change,
-/// except that they may be permuted by order() if adopt_order() follows.
+/// except that they may be permuted by order() if that becomes 0, 1, 2, ...: Cloud::reorder().
 template <int Dimension>
 class KdTree {
  public:
@@ -46,9 +46,7 @@ class KdTree {
 
   /// Indices of the points, leaf by leaf: neighbours in space are mostly neighbours in this order.
   std::span<const std::uint32_t> order() const;
-
-  /// Call after moving point order()[i] to i for every i. From then on, order() is 0, 1, 2, ...
-  void adopt_order();
+  std::span<std::uint32_t> order();
 
   /// Finds the `found.size()` nearest points (of those that `accept` returns true for), nearest first, ties by index.
   /// @returns how many it found

@@ -131,9 +131,9 @@ Expected<Cloud> MeshDipoles::to_cloud(Arena& arena) const {
   }
   if (cloud->size == 0) return cloud;
   const ArenaScope scope(arena);
-  const auto tree = KdTree3::build(cloud->positions(), arena, kStage);
+  auto tree = KdTree3::build(cloud->positions(), arena, kStage);
   PLUMBLINE_TRY(tree);
-  PLUMBLINE_TRY(cloud->reorder(tree->order(), arena));
+  cloud->reorder(tree->order());
   return cloud;
 }
 

@@ -72,9 +72,7 @@ std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const Ray
 
 std::size_t views_stage_bytes(const ViewAlignment& found, std::uint32_t points, std::size_t tree,
                               std::uint32_t threads) {
-  const std::size_t aligning = tree + align_views_bytes(found, points, threads);
-  const std::size_t sorting = KdTree3::kBytesPerPoint * std::size_t{points} + Cloud::reorder_bytes(points);
-  return kSlack + (found.moved > 0 ? std::max(aligning, sorting) : aligning);
+  return kSlack + tree + align_views_bytes(found, points, threads);
 }
 
 std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts) {
@@ -114,10 +112,9 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const auto reader =
       static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch) + evidence.kept_bytes);
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
-  const std::size_t reorder = Cloud::reorder_bytes(points);
-  set(Stage::kNormals, cloud + tree + std::max({normals_bytes(points), sample_surface_bytes(points), reorder}));
-  set(Stage::kTrees, cloud + tree + reorder);
-  set(Stage::kViews, cloud + tree + std::max(align_views_bytes(points, threads), reorder));
+  set(Stage::kNormals, cloud + tree + std::max(normals_bytes(points), sample_surface_bytes(points)));
+  set(Stage::kTrees, cloud + tree);
+  set(Stage::kViews, cloud + tree + align_views_bytes(points, threads));
   set(Stage::kClustering,
       cloud + tree +
           std::max({clustering_bytes(points), sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),

@@ -37,8 +37,7 @@ std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield);
 /// Bytes of the stage that makes the R-Rep of a scan, without the map.
 /// @param store  bytes of the crossing store
 std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield);
-/// Bytes of the views' stage beside the cloud: to find and align them with a tree in memory or, where points have moved, to sort these for a
-/// new tree, whichever is more.
+/// Bytes of the views' stage beside the cloud.
 /// @param tree  bytes of the tree
 std::size_t views_stage_bytes(const ViewAlignment& found, std::uint32_t points, std::size_t tree,
                               std::uint32_t threads);

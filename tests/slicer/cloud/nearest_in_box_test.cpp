@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "tests/slicer/support/arena_block.hpp"
@@ -20,7 +21,7 @@ void expect_nearest(std::vector<Vec3f> points) {
   KdTree3 tree = value_of(KdTree3::build(points, *arena, "test"));
   const std::vector<Vec3f> before = points;
   for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = before[tree.order()[i]];
-  tree.adopt_order();
+  std::iota(tree.order().begin(), tree.order().end(), 0);
   const auto accept = [](std::uint32_t i) { return i % 5 != 1; };
   for (const std::uint32_t wanted : {1U, 2U, 61U, 256U}) {
     float radius = 0;

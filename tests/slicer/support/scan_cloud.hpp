@@ -40,8 +40,7 @@ inline Cloud cloud_of(const Surface& surface, Arena& arena, float radius = 0) {
 /// Builds the 3D tree, which stays in the arena, and puts the cloud in its order.
 inline KdTree3 sort_by_tree(Cloud& cloud, Arena& arena) {
   KdTree3 tree = value_of(KdTree3::build(cloud.positions(), arena, "test"));
-  check(cloud.reorder(tree.order(), arena));
-  tree.adopt_order();
+  cloud.reorder(tree.order());
   return tree;
 }
 

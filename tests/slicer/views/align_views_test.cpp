@@ -35,8 +35,7 @@ struct Scan {
   explicit Scan(const Surface& surface)
       : cloud(cloud_of(surface, *block)), tree(value_of(KdTree3::build(cloud.positions(), *block, "test"))) {
     from.assign(tree.order().begin(), tree.order().end());
-    check(cloud.reorder(tree.order(), *block));
-    tree.adopt_order();
+    cloud.reorder(tree.order());
   }
   ViewAlignment align() { return value_of(align_views(cloud, tree, *block)); }
   std::vector<Vec3f> positions() const { return {cloud.positions().begin(), cloud.positions().end()}; }
