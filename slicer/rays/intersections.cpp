@@ -27,18 +27,6 @@ std::optional<float> between_sheets(const RayQuery& low, const RayQuery& high) {
 
 }  // namespace
 
-std::size_t RaySolver::bytes_needed() {
-  return Arena::rounded(kMaxBands * sizeof(Band)) + Arena::rounded(kMaxIntersections * sizeof(Intersection));
-}
-
-Expected<RaySolver> RaySolver::create(float width, Arena& arena) {
-  RaySolver solver;
-  solver.width_ = width;
-  PLUMBLINE_TRY(arena.take_top(solver.bands_, kMaxBands, "intersections"));
-  PLUMBLINE_TRY(arena.take_top(solver.intersections_, kMaxIntersections, "intersections"));
-  return solver;
-}
-
 void RaySolver::find_bands(const RayGatherer& gatherer, const RayPoints& points) {
   band_count_ = 0;
   intersection_count_ = 0;
@@ -152,11 +140,11 @@ RaySurface RaySolver::solve(const RayGatherer& gatherer, const RayPoints& points
   find_bands(gatherer, points);
   std::uint32_t candidate = 0;
   RayWindow near;
-  for (Band& band : bands_.first(band_count_)) {
+  for (Band& band : std::span(bands_).first(band_count_)) {
     while (candidate < points.size && points.depth[candidate] < band.low) ++candidate;
     search(points, band, near, candidate);
   }
-  return {bands_.first(band_count_), intersections_.first(intersection_count_)};
+  return {std::span(bands_).first(band_count_), std::span(intersections_).first(intersection_count_)};
 }
 
 std::optional<float> RaySolver::solve_near(const RayPoints& points, float depth, bool entering,

@@ -1,6 +1,7 @@
 #pragma once
 /// Query points on a ray and its intersections with the MLS surface (thesis III-3).
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -49,9 +50,9 @@ class RaySolver {
   static constexpr std::uint32_t kMostIterations = 10;  ///< of the Illinois method
   static constexpr float kInterval = 0.1F;              ///< gamma / w: a root enclosed this narrowly is found
 
-  static std::size_t bytes_needed();
+  RaySolver() = default;
   /// @param width  w, mm: queries closer than delta = w are merged
-  [[nodiscard]] static Expected<RaySolver> create(float width, Arena& arena);
+  explicit RaySolver(float width) : width_(width) {}
 
   /// Queries the MLS value at the depths of the points, merged within w (thesis III-3.a), and at the ends of the bands. A sign
   /// change between two queries of a band encloses an intersection.
@@ -70,8 +71,8 @@ class RaySolver {
   void solve_root(const RayPoints& points, RayWindow hint, float low, float low_value, float high, float high_value);
 
   float width_ = 0;
-  std::span<Band> bands_;
-  std::span<Intersection> intersections_;
+  std::array<Band, kMaxBands> bands_;
+  std::array<Intersection, kMaxIntersections> intersections_;
   std::uint32_t band_count_ = 0;
   std::uint32_t intersection_count_ = 0;
 };

@@ -34,21 +34,19 @@ const char* to_string(RayDecision decision) {
 }
 
 std::size_t RayClassifier::bytes_needed(std::uint32_t tile_capacity) {
-  return RayGatherer::bytes_needed(tile_capacity) + RaySolver::bytes_needed() + ColumnWinding::bytes_needed() +
+  return RayGatherer::bytes_needed(tile_capacity) + ColumnWinding::bytes_needed() +
          Arena::rounded(kMaxCrossingsFound * sizeof(RayCrossing));
 }
 
 Expected<RayClassifier> RayClassifier::create(const RayField& field, Arena& arena) {
   const auto gatherer = RayGatherer::create(*field.cloud, *field.tree, field.tile_capacity, field.max_radius, arena);
   PLUMBLINE_TRY(gatherer);
-  const auto solver = RaySolver::create(field.width, arena);
-  PLUMBLINE_TRY(solver);
   const auto column_winding = ColumnWinding::create(*field.winding, arena);
   PLUMBLINE_TRY(column_winding);
   RayClassifier classifier;
   PLUMBLINE_TRY(arena.take_top(classifier.crossings_, kMaxCrossingsFound, "perfect rays"));
   classifier.gatherer_ = *gatherer;
-  classifier.solver_ = *solver;
+  classifier.solver_ = RaySolver(field.width);
   classifier.winding_ = *column_winding;
   classifier.field_ = field;
   classifier.top_ = static_cast<float>(field.grid.layers) * field.grid.layer_height_mm;

@@ -24,7 +24,7 @@ class RayLaboratory {
     width_ = grid_width(scan_.cloud, scan_.tree);
     if (width_ <= 0) width_ = scan_.clustering.epsilon;
     gatherer_ = value_of(RayGatherer::create(scan_.cloud, scan_.tree, scan_.cloud.size, scan_.max_radius(), *arena_));
-    solver_ = value_of(RaySolver::create(width_, *arena_));
+    solver_ = RaySolver(width_);
   }
   RayLaboratory(const RayLaboratory&) = delete;
   RayLaboratory& operator=(const RayLaboratory&) = delete;
