@@ -17,9 +17,7 @@ std::size_t WindingTree::bytes_needed(std::uint32_t points) {
 WindingTree WindingTree::build(const Cloud& cloud, std::span<Node> nodes) {
   WindingTree tree;
   tree.area_factor_ = std::numbers::pi_v<float> / cloud.support_points;
-  tree.position_ = cloud.position.first(cloud.size);
-  tree.normal_ = cloud.normal.first(cloud.size);
-  tree.radius_ = cloud.radius.first(cloud.size);
+  tree.cloud_ = cloud;
   tree.tree_ = Tree(cloud.size, nodes);
   tree.tree_.build([&](std::uint32_t i, DipoleSum& sum) {
     const float area = tree.area_of(i);
@@ -32,8 +30,7 @@ bool WindingTree::set_base(float height, float reach, bool always) {
   base_ = height;
   has_base_ = always;
   if (always) return true;
-  Box3f box;
-  for (const Vec3f& p : position_) box.extend(p);
+  const Box3f box = cloud_.bounds();
   const auto sampled = [&](int axis, std::uint32_t i) {
     return box.low[axis] + (static_cast<float>(i) + 0.5F) / kBaseSamples * box.size()[axis];
   };

@@ -90,17 +90,16 @@ class WindingTree {
 
   /// Calls add(place, dipole, softening) for dipoles that make up the winding number at a place, or at every place in a box, with the
   /// mirror image of the surface: its sum of <dipole, place - x> / (|place - x|^2 + softening)^(3/2). The unit of dipoles is 4 pi mm^2.
-  /// @param at     Vec3f or Box3f
-  /// @param share  of DipoleTree::walk()
+  /// @param at  Vec3f or Box3f
   template <class Place, class Add>
-  void for_each_dipole(const Place& at, Add add, float share = 1) const {
-    walk(at, add, share);
+  void for_each_dipole(const Place& at, Add add) const {
+    walk(at, add, 1);
     if (!has_base_) return;
     // The mirrored surface seen from a place is the surface seen from the mirror image of the place.
     const auto add_mirrored = [&](const Vec3f& place, const Vec3f& dipole, float softening) {
       add(mirrored(place), Vec3f(dipole[0], dipole[1], -dipole[2]), softening);
     };
-    walk(mirrored(at), add_mirrored, share);
+    walk(mirrored(at), add_mirrored, 1);
   }
 
  private:
@@ -108,14 +107,14 @@ class WindingTree {
 
   /// mm^2
   float area_of(std::uint32_t i) const {
-    return area_factor_ * radius_[i] * radius_[i] * static_cast<float>(normal_[i].weight);
+    return area_factor_ * cloud_.radius[i] * cloud_.radius[i] * static_cast<float>(cloud_.normal[i].weight);
   }
   /// Added to the square of the distance of point i, mm^2. Without it a dipole would grow without bound nearby, where a disc
   /// fills at most half the sphere. It is half the square of the radius of one scan point's disc; all of it would blur walls
   /// that only the winding number places (slicer/EXPERIMENTS.md).
   float softening_of(std::uint32_t i) const {
     constexpr float kShare = 0.5F;
-    return kShare * radius_[i] * radius_[i] * area_factor_ * std::numbers::inv_pi_v<float>;
+    return kShare * cloud_.radius[i] * cloud_.radius[i] * area_factor_ * std::numbers::inv_pi_v<float>;
   }
 
   Vec3f mirrored(const Vec3f& p) const { return {p[0], p[1], 2 * base_ - p[2]}; }
@@ -131,7 +130,7 @@ class WindingTree {
     tree_.walk(
         at, [&](const Node& node) { add(node.centre, node.dipole, 0.0F); },
         [&](std::uint32_t i) {
-          add(position_[i], Vec3f(normal_[i].unpack() * (area_of(i) * kInverse4Pi)), softening_of(i));
+          add(cloud_.position[i], Vec3f(cloud_.normal[i].unpack() * (area_of(i) * kInverse4Pi)), softening_of(i));
         },
         share);
   }
@@ -141,9 +140,7 @@ class WindingTree {
   float number(const Vec3f& x, float share) const;
 
   Tree tree_;
-  std::span<const Vec3f> position_;
-  std::span<const PackedNormal> normal_;
-  std::span<const float> radius_;
+  Cloud cloud_;
   float area_factor_ = 0;  ///< area of a scan point / its radius squared
   float base_ = std::numeric_limits<float>::lowest();
   bool has_base_ = false;

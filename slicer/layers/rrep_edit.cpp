@@ -1,7 +1,6 @@
 #include "slicer/layers/rrep_edit.hpp"
 
 #include <algorithm>
-#include <tuple>
 
 #include "slicer/layers/layer_stream.hpp"
 
@@ -10,18 +9,13 @@ namespace {
 
 constexpr std::uint32_t kLastLayers = 16;  ///< layers searched first, from the top; affects the cost only
 
-bool before(const RRepToggle& a, const RRepToggle& b) {
-  return std::tie(a.layer, a.pixel) < std::tie(b.layer, b.pixel);
-}
-bool equal(const RRepToggle& a, const RRepToggle& b) { return a.layer == b.layer && a.pixel == b.pixel; }
-
 /// Sorts the toggles and keeps one of each that occurs an odd number of times.
 std::span<RRepToggle> distinct(std::span<RRepToggle> toggles, std::uint32_t layers) {
-  std::sort(toggles.begin(), toggles.end(), before);
+  std::sort(toggles.begin(), toggles.end());
   std::size_t count = 0;
   for (const RRepToggle& toggle : toggles) {
     if (toggle.layer >= layers) continue;
-    if (count > 0 && equal(toggles[count - 1], toggle)) {
+    if (count > 0 && toggles[count - 1] == toggle) {
       --count;
     } else {
       toggles[count++] = toggle;

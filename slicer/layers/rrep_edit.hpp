@@ -1,6 +1,7 @@
 #pragma once
 /// Edits a finished R-Rep.
 
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -16,6 +17,7 @@ namespace plumbline {
 struct RRepToggle {
   std::uint32_t layer;  ///< grid.layers or more: no effect
   std::uint32_t pixel;  ///< row * columns + column
+  auto operator<=>(const RRepToggle&) const = default;
 };
 
 /// Adds crossings; one that meets a crossing of the same layer and pixel cancels it.

@@ -1,5 +1,6 @@
 #include "slicer/placement/floor_plane.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -156,20 +157,17 @@ class FloorSearch {
     });
     if (count < kLeastPoints * static_cast<double>(cloud_.size)) return false;
     mean /= count;
-    double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+    Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d rises = Eigen::Vector2d::Zero();
     for_each_low([&](const Vec3f& p, const Vec3f&) {
       if (std::abs(above(p)) > reach) return;
       const Vec3d d = p.cast<double>() - mean;
-      xx += d[0] * d[0];
-      xy += d[0] * d[1];
-      yy += d[1] * d[1];
-      xz += d[0] * d[2];
-      yz += d[1] * d[2];
+      squares += d.head<2>() * d.head<2>().transpose();
+      rises += d.head<2>() * d[2];
     });
-    const double determinant = xx * yy - xy * xy;
-    if (!(determinant > 1e-6 * xx * yy)) return false;
-    const Vec3d up(-(xz * yy - yz * xy) / determinant, -(yz * xx - xz * xy) / determinant, 1);
-    const Vec3d normal = up / std::sqrt(up.dot(up));
+    if (!(squares.determinant() > 1e-6 * squares(0, 0) * squares(1, 1))) return false;
+    const Eigen::Vector2d slope = squares.inverse() * rises;
+    const Vec3d normal = Vec3d(-slope[0], -slope[1], 1).normalized();
     plane_.normal = normal.cast<float>();
     plane_.offset = static_cast<float>(normal.dot(mean));
     return true;
