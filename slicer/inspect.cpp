@@ -114,7 +114,6 @@ Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSett
 /// @param prepared  whether `report` has all of the preparation; an error after that is no error of inspect()
 Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                        ProgressSink* progress, InspectReport& report, bool& prepared) {
-  const ArenaScope all(arena);
   const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources given) {
     return find_mesh_crossings(files, survey, given, settings, arena, progress, report, prepared);
   };

@@ -22,11 +22,12 @@ namespace plumbline {
                                                               PreparationCounts& report);
 
 /// Opens sources and calls on_mesh(files, survey, sources) if they are a mesh, else on_scan(sources). The sources that it hands on are at
-/// their beginning again.
+/// their beginning again. What was taken from the top of the arena is released.
 /// @returns what was called returns, or an error of the type that on_scan returns
 template <class OnMesh, class OnScan>
 auto read_mesh_or_scan(ScanSources given, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                        PreparationCounts& report, OnMesh on_mesh, OnScan on_scan) -> decltype(on_scan(given)) {
+  const ArenaScope all(arena);
   auto files = MeshFiles::open(given, arena);
   PLUMBLINE_TRY(files);
   const auto mesh = survey_mesh(*files, settings, arena, progress, report);

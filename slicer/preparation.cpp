@@ -300,7 +300,6 @@ Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& setting
 
 Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                        PreparationReport& report, NormalsLook look) {
-  const ArenaScope all(arena);
   const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources) -> Status {
     const auto cloud = mesh_cloud(files, survey, arena, progress, report);
     files.drop_copy(arena);

@@ -70,7 +70,6 @@ Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& 
 
 Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                        ProgressSink* progress, SliceReport& report) {
-  const ArenaScope all(arena);
   const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources given) {
     return find_mesh_crossings(files, survey, given, settings, arena, progress, report);
   };
