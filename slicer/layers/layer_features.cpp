@@ -94,7 +94,8 @@ class Sweep {
   std::uint32_t root(std::uint32_t f) const { return sets().root(f); }
   void unite(std::uint32_t low, std::uint32_t high);
   bool find_small(std::uint32_t layer, Layer& now, ConstBitImage section);
-  bool record(std::uint32_t layer, const Layer& now, ConstBitImage section);
+  bool start_feature(std::uint32_t layer, bool white, std::uint32_t area);
+  bool record(const FeatureRun& run, bool white, ConstBitImage section);
   void connect(Layer& below, Layer& above);
   bool removable(std::uint32_t f) const {
     const Feature& feature = features_[f];
@@ -143,55 +144,53 @@ void Sweep::unite(std::uint32_t low, std::uint32_t high) {
 bool Sweep::find_small(std::uint32_t layer, Layer& now, ConstBitImage section) {
   const LayerRegions& regions = now.regions;
   now.small = 0;
+  now.feature[LayerRegions::kOutside] = LayerRegions::kNone;
   std::uint64_t white_pixels = 0;
   for (std::uint32_t r = 0; r < regions.rows(); ++r) {
     for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
-      if (regions.region(i) != i) continue;
-      now.feature[i] = LayerRegions::kNone;
-      if (regions.area(i) == 0) continue;
-      if (regions.white(r, i)) white_pixels += regions.area(i);
-      if (regions.area(i) > limits_.pixels) {
-        has_large_island_ |= regions.white(r, i);
-        continue;
+      const std::uint32_t region = regions.region(i);
+      const bool white = regions.white(r, i);
+      if (region == i) {  // its first run
+        const std::uint32_t area = regions.area(i);
+        const bool small = area > 0 && area <= limits_.pixels;
+        if (white) white_pixels += area;
+        has_large_island_ |= white && area > limits_.pixels;
+        now.feature[i] = small ? feature_count_ : LayerRegions::kNone;
+        if (small && !start_feature(layer, white, area)) return false;
+        now.small += small ? 1 : 0;
       }
-      if (feature_count_ == features_.size()) return false;
-      now.feature[i] = feature_count_;
-      const auto in_layer = static_cast<std::uint16_t>(layer);
-      const std::uint32_t area = regions.area(i);
-      Feature& feature = features_[feature_count_];
-      feature = {};
-      feature.parent = feature_count_;
-      feature.white = regions.white(r, i);
-      feature.below = !feature.white && layer == 0;
-      feature.above = !feature.white && layer + 1 == rrep_->grid.layers;
-      feature.first = feature.last = in_layer;
-      feature.largest = area;
-      feature.voxels = area;
-      ++feature_count_;
-      ++now.small;
+      if (now.feature[region] == LayerRegions::kNone) continue;
+      if (!record({now.feature[region], layer, r, regions.run(i).first, regions.run(i).last}, white, section))
+        return false;
     }
   }
-  now.feature[LayerRegions::kOutside] = LayerRegions::kNone;
   totals_.add(white_pixels);
-  return now.small == 0 || record(layer, now, section);
+  return true;
 }
 
-bool Sweep::record(std::uint32_t layer, const Layer& now, ConstBitImage section) {
-  const LayerRegions& regions = now.regions;
-  for (std::uint32_t r = 0; r < regions.rows(); ++r) {
-    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
-      const std::uint32_t feature = now.feature[regions.region(i)];
-      const LayerRegions::Run run = regions.run(i);
-      if (feature == LayerRegions::kNone || run.first > run.last) continue;
-      // Opening and closing have changed some pixels of the region. Toggle only those that the section agrees with.
-      for (std::uint32_t c = run.first; c <= run.last; ++c) {
-        if (section.at(c, r) != regions.white(r, i)) continue;
-        if (run_count_ == runs_.size()) return false;
-        const auto first = static_cast<std::uint16_t>(c);
-        while (c < run.last && section.at(c + 1, r) == regions.white(r, i)) ++c;
-        runs_[run_count_++] = {feature, layer, r, first, static_cast<std::uint16_t>(c)};
-      }
-    }
+bool Sweep::start_feature(std::uint32_t layer, bool white, std::uint32_t area) {
+  if (feature_count_ == features_.size()) return false;
+  Feature& feature = features_[feature_count_];
+  feature = {};
+  feature.parent = feature_count_++;
+  feature.white = white;
+  feature.below = !white && layer == 0;
+  feature.above = !white && layer + 1 == rrep_->grid.layers;
+  feature.first = feature.last = static_cast<std::uint16_t>(layer);
+  feature.largest = area;
+  feature.voxels = area;
+  return true;
+}
+
+/// Opening and closing have changed some pixels of the region. Only those that the section agrees with are to be toggled.
+bool Sweep::record(const FeatureRun& run, bool white, ConstBitImage section) {
+  for (std::uint32_t c = run.first; c <= run.last; ++c) {
+    if (section.at(c, run.row) != white) continue;
+    if (run_count_ == runs_.size()) return false;
+    FeatureRun& part = runs_[run_count_++] = run;
+    part.first = static_cast<std::uint16_t>(c);
+    while (c < run.last && section.at(c + 1, run.row) == white) ++c;
+    part.last = static_cast<std::uint16_t>(c);
   }
   return true;
 }
