@@ -42,13 +42,8 @@ Expected<ConfidenceMap> ConfidenceMap::create(const PrintGrid& grid, const Box3f
   const Vec3f size = box.size();
   float cell = std::max({least_cell, size.maxCoeff() / 256, 1e-3F});
   const auto fit = [&] {
-    std::size_t count = 1;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto cells = static_cast<std::int64_t>(size[axis] / cell) + 1;
-      map.dims_[static_cast<std::size_t>(axis)] = cells;
-      count *= static_cast<std::size_t>(cells);
-    }
-    return count <= kMostCells;
+    map.dims_ = (size / cell).array().cast<std::int64_t>() + 1;
+    return map.dims_.prod() <= static_cast<std::int64_t>(kMostCells);
   };
   while (!fit()) cell *= 1.0625F;
   map.inverse_ = 1 / cell;
@@ -60,13 +55,7 @@ Expected<ConfidenceMap> ConfidenceMap::create(const PrintGrid& grid, const Box3f
 }
 
 ConfidenceMap::Cell ConfidenceMap::cell_of(const Vec3f& p) const {
-  Cell cell{};
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<std::size_t>(axis);
-    const float at = std::max(0.0F, (p[axis] - low_[axis]) * inverse_);
-    cell[a] = std::min(dims_[a] - 1, static_cast<std::int64_t>(at));
-  }
-  return cell;
+  return ((p - low_) * inverse_).array().max(0.0F).cast<std::int64_t>().min(dims_ - 1);
 }
 
 Vec3f ConfidenceMap::middle_of(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const {
@@ -118,7 +107,7 @@ std::array<double, kEvidenceCount> ConfidenceMap::surface() const {
   constexpr double kCellsASide = 1.5;
   const double side = 1 / static_cast<double>(inverse_);
   std::array<double, kEvidenceCount> area{};
-  Cell cell{};
+  Cell cell;
   for (cell[2] = 0; cell[2] < dims_[2]; ++cell[2]) {
     for (cell[1] = 0; cell[1] < dims_[1]; ++cell[1]) {
       for (cell[0] = 0; cell[0] < dims_[0]; ++cell[0]) {
@@ -139,10 +128,8 @@ Evidence ConfidenceMap::evidence_at(const Cell& cell) const {
   if ((own & (bit_of(Evidence::kMeasured) | bit_of(Evidence::kBase))) != 0) return strongest(own);
   std::uint8_t bits = own;
   for (std::int64_t n = 0; n < 27; ++n) {
-    const Cell other{cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1};
-    bool exists = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) exists = exists && other[axis] >= 0 && other[axis] < dims_[axis];
-    if (exists) bits |= cells_[index(other)];
+    const Cell other = cell + Cell(n % 3, n / 3 % 3, n / 9) - 1;
+    if ((other >= 0).all() && (other < dims_).all()) bits |= cells_[index(other)];
   }
   // Within a cell of the scan the surface was seen, even where a grazing ray needed other evidence.
   if ((bits & bit_of(Evidence::kMeasured)) != 0) return Evidence::kMeasured;

@@ -75,7 +75,7 @@ class ConfidenceMap {
   Evidence at(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const;
 
  private:
-  using Cell = std::array<std::int64_t, 3>;
+  using Cell = Eigen::Array<std::int64_t, 3, 1>;
   Cell cell_of(const Vec3f& p) const;
   Evidence evidence_at(const Cell& cell) const;
   Vec3f middle_of(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const;
@@ -88,7 +88,7 @@ class ConfidenceMap {
   std::span<std::uint8_t> cells_;  ///< one bit for each Evidence found there
   Vec3f low_ = Vec3f::Zero();      ///< mm
   float inverse_ = 0;              ///< cells per mm
-  Cell dims_{};
+  Cell dims_ = Cell::Zero();
 };
 
 }  // namespace plumbline
