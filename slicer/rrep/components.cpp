@@ -13,6 +13,10 @@ constexpr const char* kStage = "components";
 /// A solid may float, or a cavity be sealed, below 1 / kSmallShare of the largest solid's voxels. Larger values keep more
 /// background, smaller ones lose detached parts of the object.
 constexpr std::uint32_t kSmallShare = 500;
+/// Parts of a sparse scan's object, such as the links of a chain, may be below min_voxels. What has more than 1 / kPartShare of the largest
+/// solid's voxels is no speck beside it, unless it has less than a kOutlierShare of min_voxels, twice what a single outlier makes.
+constexpr std::uint32_t kPartShare = 20;
+constexpr std::uint32_t kOutlierShare = 4;
 constexpr std::uint32_t kOutside = 0;  ///< number of the interval outside the object
 
 /// A ray's crossings and the number of its first inner interval.
@@ -151,7 +155,10 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   }
   const std::uint64_t floating_voxels =
       limits.drop_floating && largest != nullptr ? largest->voxels / kSmallShare : std::uint64_t{0};
-  const auto is_small = [&](const Component& c) { return &c != largest && c.voxels < limits.min_voxels; };
+  const std::uint64_t part_voxels = largest != nullptr ? largest->voxels / kPartShare : std::uint64_t{0};
+  const std::uint64_t small_voxels =
+      std::min(limits.min_voxels, std::max(limits.min_voxels / kOutlierShare, part_voxels));
+  const auto is_small = [&](const Component& c) { return &c != largest && c.voxels < small_voxels; };
   const auto stands = [&](const Component& c) {
     return c.solid && c.low <= largest->low + limits.plate_layers && largest->low <= c.low + limits.plate_layers;
   };

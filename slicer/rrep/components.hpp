@@ -33,7 +33,7 @@ struct ComponentLimits {
 };
 
 /// Removes solid components and fills cavities of fewer than `min_voxels`. Voxels are joined at faces. The largest solid
-/// always stays.
+/// always stays, and so does what has a 20th of its voxels and a quarter of `min_voxels`.
 ///
 /// With `drop_floating` it also removes floating solids: those that do not stand on the plate and have less than a 500th of
 /// the largest solid's voxels. They are scanned background, and would fall into the tank. Sealed cavities of fewer voxels than

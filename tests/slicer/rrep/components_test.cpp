@@ -155,6 +155,7 @@ TEST(Components, RemovesAndFillsWhatAFloodFromVoxelToVoxelFindsSmall) {
     const Voxels before = random_boxes(random);
     const Flood flood(before);
     const std::size_t largest_solid = flood.largest_solid();
+    const std::size_t least = std::min(kSmall, std::max(kSmall / 4, largest_solid / 20));
     ArenaBlock arena(4 * kMiB);
     CrossingStore store = store_of(before, *arena);
     const std::size_t used = arena->used();
@@ -165,7 +166,7 @@ TEST(Components, RemovesAndFillsWhatAFloodFromVoxelToVoxelFindsSmall) {
     std::uint64_t solid = 0;
     for (std::size_t v = 0; v < before.solid.size(); ++v) {
       const bool largest = before.solid[v] != 0 && flood.size(v) == largest_solid;
-      const bool small = flood.size(v) < kSmall && !flood.is_outside(v) && !largest;
+      const bool small = flood.size(v) < least && !flood.is_outside(v) && !largest;
       if (small)
         continue;  // one inside of another that changes stays: then it is of the same kind as what surrounds it
       ASSERT_EQ(after.solid[v], before.solid[v]) << "round " << round << ", voxel " << v;
@@ -177,10 +178,26 @@ TEST(Components, RemovesAndFillsWhatAFloodFromVoxelToVoxelFindsSmall) {
     const std::size_t largest_left = left.largest_solid();
     for (std::size_t v = 0; v < after.solid.size(); ++v) {
       if (left.is_outside(v) || left.size(v) == largest_left) continue;
-      ASSERT_GE(left.size(v), kSmall) << "round " << round;
+      ASSERT_GE(left.size(v), least) << "round " << round;
     }
   }
   EXPECT_GT(removed, 100U);
+}
+
+TEST(Components, PartsOfTheLargestSolidsSizeStayInASparseScan) {
+  Voxels voxels(64, 24, 24);
+  voxels.fill({2, 2, 2}, {22, 22, 22}, true);
+  voxels.fill({30, 2, 2}, {40, 12, 6}, true);   // a 20th of it
+  voxels.fill({30, 14, 2}, {40, 23, 5}, true);  // less
+  voxels.fill({50, 2, 2}, {55, 12, 10}, true);  // a 20th
+  const auto left = [&](std::uint64_t min_voxels) {
+    ArenaBlock arena(4 * kMiB);
+    CrossingStore store = store_of(voxels, *arena);
+    return drop_small_components(store, {.min_voxels = min_voxels}, *arena).solids;
+  };
+  EXPECT_EQ(left(1000), 3U);
+  EXPECT_EQ(left(1604), 1U) << "a quarter of the least voxels is what outliers make";
+  EXPECT_EQ(left(250), 4U);
 }
 
 TEST(Components, TakeNoMoreThanTheirPlan) {
