@@ -19,6 +19,8 @@ constexpr std::array<float, 3> kPatchRadii = {36, 50, 70};
 // Limits of the search. They trade time for small views that may be missed.
 constexpr std::uint32_t kMaxSeeds = 400;         ///< patches in all
 constexpr std::uint32_t kMaxFailedPatches = 16;  ///< patches in a row that show no view
+constexpr std::uint32_t kMaxFailedEarly = 40;    ///< the same while many points belong to no view
+constexpr double kManyPoints = 0.25;             ///< share of the scan's points
 constexpr std::uint32_t kMaxFailedFirst = 6;     ///< the same while nothing tells that the scan is made of views
 constexpr std::uint32_t kMaxFailedPairs = 16;    ///< pairs of peaks of one patch that turn out not to be a grid
 constexpr std::uint32_t kJudgedViews = 8;        ///< the first views, which tell whether the scan is made of views
@@ -80,11 +82,13 @@ class ViewFinder {
     std::uint32_t failures = 0;
     std::uint64_t seed = 0;
     double done = 0;
-    const auto enough = [&] {
-      return failures >= (views_ > 0 && is_made_of_views() ? kMaxFailedPatches : kMaxFailedFirst);
+    const auto claimed = [&] { return static_cast<double>(claimed_) / cloud_.size; };
+    const auto most_failures = [&] {
+      if (views_ == 0 || !is_made_of_views()) return kMaxFailedFirst;
+      return claimed() < 1 - kManyPoints ? kMaxFailedEarly : kMaxFailedPatches;
     };
-    for (std::uint32_t s = 0; s < kMaxSeeds && !enough() && views_ < kMaxViews; ++s) {
-      done = std::max({done, static_cast<double>(claimed_) / cloud_.size, 1.0 * failures / kMaxFailedPatches});
+    for (std::uint32_t s = 0; s < kMaxSeeds && failures < most_failures() && views_ < kMaxViews; ++s) {
+      done = std::max({done, claimed(), 1.0 * failures / most_failures()});
       if (!progress.advance(done)) return false;
       seed += kGoldenStep64;  // spreads any number of seeds evenly
       const auto i = static_cast<std::uint32_t>((seed >> 32U) * cloud_.size >> 32U);

@@ -31,7 +31,7 @@ std::size_t find_views_bytes(std::uint32_t threads);
 /// A camera's noise moves a point along the ray of its pixel, so the points of a view lie on the view's rays, however
 /// noisy they are and in whatever order the file has them. The spectrum of a patch shows the grids of all views that
 /// see it (PatchGrids). Each grid is followed over the scan (GridGrowth) and takes its points; the search continues
-/// among the rest until several patches in a row show no grid. Scans that software has resampled, smoothed or thinned
+/// among the rest until many patches in a row show no grid. Scans that software has resampled, smoothed or thinned
 /// have no grid, so no views are found.
 ///
 /// @param cloud    in the order of `tree`, with normals, which say what side a patch faces. The search uses only points
