@@ -65,7 +65,11 @@ Expected<ModelParts> ModelParts::of(std::span<Place> places, std::uint64_t root,
 
 bool ModelParts::add(const ObjectKey& child, const ObjectKey& in, const Affine& place) {
   if (size_ == places_.size()) return false;
-  places_[size_++] = {child, in, place, false, false};
+  const auto end = places_.begin() + static_cast<std::ptrdiff_t>(size_++);
+  const auto at =
+      std::upper_bound(places_.begin(), end, child, [](const ObjectKey& key, const Place& p) { return key < p.child; });
+  std::copy_backward(at, end, end + 1);
+  *at = {child, in, place, false, false};
   return true;
 }
 
@@ -106,8 +110,12 @@ ModelParts::Found ModelParts::find_instances(const ObjectKey& mesh) {
 ModelParts::Found ModelParts::follow(const ObjectKey& object, const Affine& so_far, std::uint32_t depth) {
   if (depth > kMostNested) return Found::kTooDeep;
   if (++steps_ > kMostSteps) return Found::kTooMany;
-  for (const Place& place : places_.first(size_)) {
-    if (place.child != object) continue;
+  // A search among all places in each step would take minutes for a small file of components within components.
+  const auto end = places_.begin() + static_cast<std::ptrdiff_t>(size_);
+  auto at = std::lower_bound(places_.begin(), end, object,
+                             [](const Place& p, const ObjectKey& key) { return p.child < key; });
+  for (; at != end && at->child == object; ++at) {
+    const Place& place = *at;
     if (place.in.id == 0 && place.in.part != root_) continue;
     const Affine on{place.place.linear * so_far.linear, place.place(so_far.shift)};
     if (place.in.id == 0) {

@@ -2,6 +2,7 @@
 /// Where the objects of a 3MF file stand: build items and components, with their transforms.
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -30,7 +31,7 @@ struct ObjectKey {
   std::uint64_t part = 0;  ///< part_key() of its model part
   std::uint32_t id = 0;    ///< from 1; 0 is the build
 
-  friend bool operator==(const ObjectKey&, const ObjectKey&) = default;
+  friend auto operator<=>(const ObjectKey&, const ObjectKey&) = default;
 };
 
 /// @param path  of a part: "/3D/one%20part.model" is the same as "3d/one part.model" (ECMA-376-2, 6.2.2)
@@ -56,9 +57,10 @@ class ModelParts {
 
   [[nodiscard]] static Expected<ModelParts> create(Arena& memory);
   /// Those that were found before.
-  /// @param places  of other parts; stay in use
+  /// @param places  places() of other parts; stay in use
   [[nodiscard]] static Expected<ModelParts> of(std::span<Place> places, std::uint64_t root, Arena& memory);
 
+  /// Sorted by child, those of one child in the order in which they were added.
   std::span<const Place> places() const { return places_.first(size_); }
 
   /// @param child  the object that stands there

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <ctime>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -382,6 +384,36 @@ TEST(ThreeMf, AnyByteChangedIsReadOrRefused) {
     const ThreeMf file(bytes);
     EXPECT_TRUE(file.summary || file.message().size() > 10) << at;
   }
+}
+
+/// Seconds of the processor for searches for a mesh from which 2^13 ways lead up, but none to the build.
+/// @param others  meshes beside it
+double seconds_of_searches(std::uint32_t others) {
+  constexpr std::uint32_t kLevels = 14;
+  const auto key = [](std::uint32_t id) { return ObjectKey{1, id}; };
+  ArenaBlock arena(std::size_t{256} * 1024);
+  auto parts = *ModelParts::create(*arena);
+  for (std::uint32_t level = 1; level <= kLevels; ++level) {
+    EXPECT_TRUE(parts.add(key(level + 1), key(level), {}));
+    EXPECT_TRUE(level == kLevels || parts.add(key(level + 1), key(level), {}));
+  }
+  for (std::uint32_t i = 0; i < others; ++i) EXPECT_TRUE(parts.add(key(100 + i), key(kLevels), {}));
+  const std::clock_t begin = std::clock();
+  for (int search = 0; search < 20; ++search) {
+    EXPECT_EQ(parts.find_instances(key(kLevels + 1)), ModelParts::Found::kAll);
+    EXPECT_TRUE(parts.instances().empty());
+  }
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
+TEST(ThreeMf, ASearchForAMeshTakesNoLongerBesideManyOthers) {
+  // A file of 7 kB may have a thousand such meshes, and each is searched for.
+  double alone = 1e9, beside_many = 1e9;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    alone = std::min(alone, seconds_of_searches(0));
+    beside_many = std::min(beside_many, seconds_of_searches(900));
+  }
+  EXPECT_LT(beside_many, 8 * alone) << alone << " s alone";
 }
 
 TEST(ThreeMf, IsPrintedAtItsSizeWhateverUnitIsAskedFor) {
