@@ -31,11 +31,7 @@ Expected<ZipReader> ZipReader::open(const ZipHandle& handle, std::string_view na
   if (reader.zip_ == nullptr) return reader.broken(UNZ_BADZIPFILE);
   unz_global_info64 facts = {};
   if (const int code = ::unzGetGlobalInfo64(reader.zip_, &facts); code != UNZ_OK) return reader.broken(code);
-  if (facts.number_entry > kMostEntries) {
-    return fail(ErrorCode::kUnsupported, "%s: claims to hold %llu files; at most %llu are allowed",
-                reader.name_.c_str(), static_cast<unsigned long long>(facts.number_entry),
-                static_cast<unsigned long long>(kMostEntries));
-  }
+  if (facts.number_entry > kMostEntries) return reader.too_many();
   return reader;
 }
 
@@ -57,6 +53,11 @@ tl::unexpected<Error> ZipReader::broken(int code) const {
               name_.c_str());
 }
 
+tl::unexpected<Error> ZipReader::too_many() const {
+  return fail(ErrorCode::kUnsupported, "%s: holds more than the %llu files that are allowed.\tPack only the print",
+              name_.c_str(), static_cast<unsigned long long>(kMostEntries));
+}
+
 Status ZipReader::for_each(FunctionRef<Status(std::string_view, const ZipPlace&)> visit) {
   int code = ::unzGoToFirstFile(zip_);
   while (code == UNZ_OK) {
@@ -66,6 +67,8 @@ Status ZipReader::for_each(FunctionRef<Status(std::string_view, const ZipPlace&)
     code = ::unzGetCurrentFileInfo64(zip_, &facts, name.data(), name.size() - 1, nullptr, 0, nullptr, 0);
     if (code == UNZ_OK) code = ::unzGetFilePos64(zip_, &place);
     if (code != UNZ_OK) return broken(code);
+    // Where its end claims 65,535 entries, minizip takes whatever follows for another.
+    if (place.num_of_file >= kMostEntries) return too_many();
     PLUMBLINE_TRY(visit(name.data(), ZipPlace{place.pos_in_zip_directory, place.num_of_file}));
     code = ::unzGoToNextFile(zip_);
   }

@@ -38,6 +38,7 @@ class ZipReader {
   ~ZipReader();
 
   /// Calls visit(name, place) for each entry, folders included, in the directory's order. Cuts names to 255 bytes.
+  /// @retval ErrorCode::kUnsupported  more than kMostEntries, though fewer were claimed
   /// @retval ErrorCode::kMalformed, kCannotRead, and any error of `visit`
   [[nodiscard]] Status for_each(FunctionRef<Status(std::string_view, const ZipPlace&)> visit);
 
@@ -56,6 +57,7 @@ class ZipReader {
   ZipReader() = default;
   [[nodiscard]] static Expected<ZipReader> open(const ZipHandle& handle, std::string_view name);
   tl::unexpected<Error> broken(int code) const;
+  tl::unexpected<Error> too_many() const;
 
   std::string name_;
   std::unique_ptr<ZipHandle> handle_;  ///< minizip keeps its address
