@@ -177,7 +177,8 @@ class SpzReader {
   double coordinate(std::span<const char> bytes, std::size_t at) const {
     if (version_ == 1) return half_of(byte_at(bytes, at) | byte_at(bytes, at + 1) << 8);
     const std::uint32_t raw = byte_at(bytes, at) << 8 | byte_at(bytes, at + 1) << 16 | byte_at(bytes, at + 2) << 24;
-    return (static_cast<std::int32_t>(raw) / 256) * unit_;
+    const std::int32_t units = static_cast<std::int32_t>(raw) / 256;
+    return units * unit_;
   }
 
   /// A radius r is stored as 16 (ln r + 10).

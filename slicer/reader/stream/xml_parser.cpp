@@ -17,6 +17,11 @@ const XML_Memory_Handling_Suite kMemory = {
     [](void* part) { heap_of_parser->release(part); },
 };
 
+XML_Parser parser_in(FixedHeap& heap) {
+  heap_of_parser = &heap;
+  return XML_ParserCreate_MM(nullptr, &kMemory, nullptr);
+}
+
 }  // namespace
 
 std::string_view XmlAttributes::any(std::string_view name) const {
@@ -29,10 +34,8 @@ std::string_view XmlAttributes::any(std::string_view name) const {
   return {};
 }
 
-XmlParser::XmlParser(FixedHeap& heap, XmlHandler& handler) : heap_(heap), handler_(handler) {
+XmlParser::XmlParser(FixedHeap& heap, XmlHandler& handler) : heap_(heap), handler_(handler), parser_(parser_in(heap)) {
   handler.parser_ = this;
-  heap_of_parser = &heap;
-  parser_ = XML_ParserCreate_MM(nullptr, &kMemory, nullptr);
   if (parser_ == nullptr) return;
   XML_SetHashSalt(parser_, 1);  // expat would ask the kernel for a random one
   XML_SetUserData(parser_, this);

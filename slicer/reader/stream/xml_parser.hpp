@@ -104,7 +104,7 @@ class XmlParser {
  private:
   FixedHeap& heap_;
   XmlHandler& handler_;
-  XML_ParserStruct* parser_ = nullptr;
+  XML_ParserStruct* parser_;
   std::array<char, 160> complaint_ = {};
 };
 

@@ -2,7 +2,6 @@
 /// Where the objects of a 3MF file stand: build items and components, with their transforms.
 
 #include <array>
-#include <compare>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -31,7 +30,10 @@ struct ObjectKey {
   std::uint64_t part = 0;  ///< part_key() of its model part
   std::uint32_t id = 0;    ///< from 1; 0 is the build
 
-  friend auto operator<=>(const ObjectKey&, const ObjectKey&) = default;
+  friend bool operator==(const ObjectKey&, const ObjectKey&) = default;
+  friend bool operator<(const ObjectKey& a, const ObjectKey& b) {
+    return a.part != b.part ? a.part < b.part : a.id < b.id;
+  }
 };
 
 /// @param path  of a part: "/3D/one%20part.model" is the same as "3d/one part.model" (ECMA-376-2, 6.2.2)
