@@ -303,7 +303,8 @@ const ForeignFormat* foreign_content(std::string_view head, std::optional<std::u
     return row_of(".jt");
   }
   if (head.starts_with("AC10") && head.size() > 6 && head[6] == 0) return row_of(".dwg");
-  if (head.starts_with("FORM") && (head.substr(8).starts_with("LWO") || head.substr(8).starts_with("LXOB"))) {
+  if (head.starts_with("FORM") && head.size() > 8 &&
+      (head.substr(8).starts_with("LWO") || head.substr(8).starts_with("LXOB"))) {
     return row_of(".lwo");
   }
   if (head.starts_with("FOR") && head.substr(0, 64).find("Maya") != std::string_view::npos) return row_of(".mb");

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/slicer/reader/scan_fixture.hpp"
 
 namespace plumbline::testing {
@@ -75,6 +77,11 @@ TEST(FormatProbe, NamesForeignFilesByTheirBytes) {
       const auto reading = read(bytes, name);
       EXPECT_EQ(reading.code(), ErrorCode::kUnknownFormat) << words;
       EXPECT_THAT(reading.message(), HasSubstr(words)) << name;
+    }
+    // Cut off, it may be anything, but nothing is looked for behind its end.
+    for (std::size_t bytes_left = 1; bytes_left < std::min<std::size_t>(bytes.size(), 16); ++bytes_left) {
+      const auto reading = read(bytes.substr(0, bytes_left), "part");
+      EXPECT_EQ(reading.summary.has_value(), reading.message().empty()) << words;
     }
   }
 }
