@@ -33,12 +33,11 @@ std::uint16_t take_character(std::string_view& text) {
   return static_cast<std::uint16_t>(code);
 }
 
-Face::Face(FontWeight weight, int x_height) : x_height_(x_height) {
+// DejaVu's own descent is for all its scripts. This is that of g and of brackets.
+Face::Face(FontWeight weight, int x_height) : x_height_(x_height), descent_((x_height * 3 + 5) / 7) {
   const FontOutlines& font = font_outlines(weight);
   const auto pixels = [&](int units) { return (2 * units * x_height + font.x_height) / (2 * font.x_height); };
   cap_height_ = pixels(font.cap_height);
-  // DejaVu's own descent is for all its scripts. This is that of g and of brackets.
-  descent_ = (x_height * 3 + 5) / 7;
   line_height_ = cap_height_ + descent_ + (x_height * 2 + 2) / 5;
   for (const GlyphOutline& outline : font.glyphs) {
     const GlyphPicture picture = rasterise(font, outline, x_height);

@@ -46,10 +46,10 @@ bool is_known_host(std::string_view host, PageChoice page, std::string_view page
 }
 
 bool is_same_origin(std::string_view host, std::string_view origin) {
-  for (const std::string_view scheme : {"http://", "https://"}) {
-    if (!host.empty() && origin.starts_with(scheme) && equal(origin.substr(scheme.size()), host)) return true;
-  }
-  return false;
+  constexpr std::array<std::string_view, 2> kSchemes = {"http://", "https://"};
+  return !host.empty() && std::any_of(kSchemes.begin(), kSchemes.end(), [&](std::string_view scheme) {
+    return origin.starts_with(scheme) && equal(origin.substr(scheme.size()), host);
+  });
 }
 
 }  // namespace plumbline

@@ -25,7 +25,7 @@ Descriptor listen_on(const sockaddr* address, socklen_t size) {
   const int reason = errno;
   { Descriptor closed(std::move(socket)); }
   errno = reason;
-  return socket;
+  return {};
 }
 
 }  // namespace

@@ -24,12 +24,12 @@ constexpr Bits operator+(Bits first, Bits second) {
 }
 
 /// Huffman code of RFC 1951, 3.2.2, for symbols with `lengths` bits.
-template <std::size_t kCount>
-constexpr std::array<Bits, kCount> huffman_code(const std::array<std::uint8_t, kCount>& lengths) {
-  std::array<Bits, kCount> codes{};
+template <std::size_t Count>
+constexpr std::array<Bits, Count> huffman_code(const std::array<std::uint8_t, Count>& lengths) {
+  std::array<Bits, Count> codes{};
   unsigned next = 0;
   for (unsigned length = 1; length < 16; ++length, next <<= 1U) {
-    for (std::size_t symbol = 0; symbol < kCount; ++symbol) {
+    for (std::size_t symbol = 0; symbol < Count; ++symbol) {
       if (lengths[symbol] != length) continue;
       for (unsigned bit = 0; bit < length; ++bit) codes[symbol].bits |= (next >> (length - 1 - bit) & 1U) << bit;
       codes[symbol].count = length;
@@ -44,11 +44,11 @@ constexpr std::array<Bits, kCount> huffman_code(const std::array<std::uint8_t, k
 constexpr std::array<std::uint8_t, kSymbols> make_lengths() {
   std::array<std::uint8_t, kSymbols> lengths{};
   for (auto& length : lengths) length = 14;
-  constexpr std::array<std::uint8_t, 7> moved = {7, 9, 10, 10, 13, 13, 13};
+  constexpr std::array<std::uint8_t, 7> kMoved = {7, 9, 10, 10, 13, 13, 13};
   for (unsigned k = 7; k > 0; --k) {
     for (unsigned shift = 0; shift + k <= 8; ++shift) {
       const unsigned ones = ((1U << k) - 1) << shift;
-      lengths[ones] = lengths[256 - ones] = moved[k - 1];
+      lengths[ones] = lengths[256 - ones] = kMoved[k - 1];
     }
   }
   lengths[0] = 3;
@@ -70,17 +70,17 @@ static_assert(is_complete(), "inflate refuses other codes");
 
 /// A copy of 3 to 258 bytes at distance 1: length and distance with their bits.
 constexpr std::array<Bits, kLongestCopy + 1> make_copies() {
-  constexpr Bits distance{0, 1};
+  constexpr Bits kDistance{0, 1};
   std::array<Bits, kLongestCopy + 1> copies{};
   std::size_t bytes = kShortestCopy;
   for (std::size_t symbol = kFirstLength; symbol + 1 < kSymbols; ++symbol) {
     // Two symbols a power of two, then four; the rest of the length is in the bits after the symbol.
     const auto more = symbol < 265 ? 0U : static_cast<unsigned>((symbol - 261) / 4);
     for (std::uint32_t rest = 0; rest < 1U << more && bytes < kLongestCopy; ++rest, ++bytes) {
-      copies[bytes] = kCode[symbol] + Bits{rest, more} + distance;
+      copies[bytes] = kCode[symbol] + Bits{rest, more} + kDistance;
     }
   }
-  copies[kLongestCopy] = kCode[kSymbols - 1] + distance;
+  copies[kLongestCopy] = kCode[kSymbols - 1] + kDistance;
   return copies;
 }
 constexpr auto kCopies = make_copies();

@@ -1,6 +1,7 @@
 #include "firmware/pictures/reduced_picture.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -35,7 +36,7 @@ struct Sum {
 };
 
 std::uint32_t reduced(std::uint32_t side, double scale) {
-  return std::max(1U, static_cast<std::uint32_t>(side * scale + 0.5));
+  return std::max(1U, static_cast<std::uint32_t>(std::lround(side * scale)));
 }
 
 }  // namespace

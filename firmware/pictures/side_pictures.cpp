@@ -242,8 +242,8 @@ Status draw_side_pictures(const RRep& rrep, const Supports& supports, Arena& are
     maps[i] = {depths->subspan(i * kSamplesOfASide, kSamplesOfASide),
                materials->subspan(i * kSamplesOfASide, kSamplesOfASide), kColumns, kRows};
   }
-  const auto views = [&]<std::size_t... kSide>(std::index_sequence<kSide...>) {
-    return std::array{View(kSide, print, maps[kSide])...};
+  const auto views = [&]<std::size_t... Side>(std::index_sequence<Side...>) {
+    return std::array{View(Side, print, maps[Side])...};
   }
   (std::make_index_sequence<kSideCount>());
   print.for_each_surface_cell(*words, layers->first(print.cells()), layers->last(print.cells()),

@@ -38,7 +38,7 @@ class PackedHit {
     return (word_ & 1U) != 0 ? -1 : 1;
   }  ///< what the hit adds to the winding number of the ray above it
   bool is_on_ray_of(const PackedHit& other) const { return word_ >> 17U == other.word_ >> 17U; }
-  auto operator<=>(const PackedHit&) const = default;
+  auto operator<=>(const PackedHit&) const = default;  // NOLINT(modernize-use-nullptr): compares with literal 0
 
  private:
   std::uint64_t word_ = 0;

@@ -15,7 +15,7 @@ namespace plumbline {
 /// In steps of the lattice, from the origin of the print.
 struct LatticePoint {
   std::int32_t x = 0, y = 0, z = 0;
-  auto operator<=>(const LatticePoint&) const = default;
+  auto operator<=>(const LatticePoint&) const = default;  // NOLINT(modernize-use-nullptr): compares with literal 0
 };
 using LatticeTriangle = std::array<LatticePoint, 3>;
 

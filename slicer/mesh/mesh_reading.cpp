@@ -265,7 +265,7 @@ Expected<SurveyedMesh> read_survey(MeshFiles& files, const Mat3d& rotation, std:
                                    Arena& arena, const StageProgress& progress) {
   const std::size_t bottom = arena.bottom_mark();
   ModelCopy copy({});
-  const auto found = survey(files, rotation, most_vertices, arena, progress, copy);
+  auto found = survey(files, rotation, most_vertices, arena, progress, copy);
   arena.release_bottom(bottom);
   if (found && copy.is_finished()) PLUMBLINE_TRY(files.keep(copy, arena));
   return found;

@@ -111,7 +111,7 @@ Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, const KdTree3& tree,
   float side = 0;
   for (const Neighbour& n : planes.points()) side += normal->dot(cloud.normal[n.index].unpack());
   if (std::abs(side) < kMinSide * static_cast<float>(planes.points().size())) return own;
-  const Vec3f fitted = side > 0 ? *normal : Vec3f(-*normal);
+  Vec3f fitted = side > 0 ? *normal : Vec3f(-*normal);
   // A plane that would turn the normal over is that of a wall's other side if the point lies on a sheet as it is.
   if (fitted.dot(own) < -kOneWay && sparse_surface_radius(cloud, tree, i, epsilon)) return own;
   return fitted;

@@ -218,8 +218,9 @@ void take_first_depths(const DepthMap& map, std::ptrdiff_t row, std::span<float>
   for (std::size_t column = 0; column < depths.size(); ++column) {
     const PixelSamples samples(map, static_cast<std::ptrdiff_t>(column), row);
     float depth = DepthMap::kEmpty;
-    for (auto k = samples.at.rbegin(); k != samples.at.rend(); ++k) {
-      depth = map.depth[*k] == DepthMap::kEmpty ? depth : map.depth[*k];
+    for (std::size_t k = samples.at.size(); k-- > 0;) {
+      const float sample = map.depth[samples.at[k]];
+      depth = sample == DepthMap::kEmpty ? depth : sample;
     }
     depths[column] = depth;
   }

@@ -28,9 +28,9 @@ struct Reach {
 };
 
 /// Loads kLanes samples, or `count` into the first ones of `part`.
-template <bool kAll>
+template <bool All>
 PLUMBLINE_INLINE void load_lanes(Lanes& lanes, const float* from, std::size_t count, std::array<float, kLanes>& part) {
-  if (kAll) return load(lanes, from);
+  if (All) return load(lanes, from);
   std::copy_n(from, count, part.begin());
   load(lanes, part.data());
 }
@@ -38,13 +38,13 @@ PLUMBLINE_INLINE void load_lanes(Lanes& lanes, const float* from, std::size_t co
 /// Smooths `count` samples that lie side by side, each on its own line; at most kLanes.
 /// @param step  from a sample of a line to the next one
 /// @param most  samples that each line has on both sides, at least
-template <bool kAll>
+template <bool All>
 PLUMBLINE_INLINE void smooth_lanes(const float* from, float* to, std::size_t count, std::ptrdiff_t step,
                                    std::ptrdiff_t most, const Reach& reach) {
   std::array<float, kLanes> part;
   part.fill(DepthMap::kEmpty);
   Lanes depth, smooth;
-  load_lanes<kAll>(depth, from, count, part);
+  load_lanes<All>(depth, from, count, part);
   const Lanes none = Lanes{} + 0.0F;
   const IntLanes shown = depth < none + DepthMap::kEmpty;
   if (!any(shown)) {
@@ -58,8 +58,8 @@ PLUMBLINE_INLINE void smooth_lanes(const float* from, float* to, std::size_t cou
   // that bend belongs to the object.
   for (std::ptrdiff_t k = reach.stride; k <= std::min(reach.most, most); k += reach.stride) {
     Lanes a, b, rise, bend;
-    load_lanes<kAll>(a, from - k * step, count, part);
-    load_lanes<kAll>(b, from + k * step, count, part);
+    load_lanes<All>(a, from - k * step, count, part);
+    load_lanes<All>(b, from + k * step, count, part);
     const Lanes both = a + b, across = a - b, along = both - 2.0F * depth;
     choose(rise, across < none, -across, across);
     choose(bend, along < none, -along, along);
@@ -75,7 +75,7 @@ PLUMBLINE_INLINE void smooth_lanes(const float* from, float* to, std::size_t cou
     weight += counted;
   }
   choose(smooth, shown, sum / weight, depth);
-  if (kAll) return store(to, smooth);
+  if (All) return store(to, smooth);
   store(part.data(), smooth);
   std::copy_n(part.begin(), count, to);
 }
