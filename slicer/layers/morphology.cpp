@@ -28,13 +28,13 @@ class Window {
   }
 
   std::uint64_t load(const std::uint64_t* row) const {
-    std::uint64_t columns;
+    std::uint64_t columns = 0;
     std::memcpy(&columns, reinterpret_cast<const std::byte*>(row) + byte_, sizeof columns);
     return columns >> beyond_;
   }
   void store(std::uint64_t* row, std::uint64_t columns) const {
     std::byte* const at = reinterpret_cast<std::byte*>(row) + byte_;
-    std::uint64_t others;
+    std::uint64_t others = 0;
     std::memcpy(&others, at, sizeof others);
     others ^= (others ^ columns << beyond_) & results_ << beyond_;
     std::memcpy(at, &others, sizeof others);

@@ -95,8 +95,8 @@ void for_each_ray(CrossingStore& store, const CrossingStore::RowRoom& room, Visi
 
 std::size_t components_bytes(const PrintGrid& grid, double rays, double crossings) {
   // A ray with c crossings has c - 1 inner intervals. Then rows of the visitor and of the search.
-  constexpr auto kMost = static_cast<double>(std::numeric_limits<std::size_t>::max() / 64);  // in 32 bits, too
-  const auto intervals = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, kMost)) + 1;
+  constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max() / 64;  // in 32 bits, too
+  const auto intervals = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, static_cast<double>(kMost))) + 1;
   return sizeof(std::uint32_t) * intervals + sizeof(Component) * (intervals / kIntervalsPerComponent + 2) +
          grid.columns * 2 * sizeof(Ray) + CrossingStore::row_room_bytes(grid);
 }

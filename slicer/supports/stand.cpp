@@ -37,7 +37,8 @@ Expected<std::optional<Stand>> on_flat_layer(const RRep& rrep, Arena& arena) {
   for (std::uint32_t k = 0; k < rrep.grid.layers; k += kMeasured) {
     largest = std::max(largest, pixels_in(stream->mask(k), window));
   }
-  const auto rise = static_cast<std::uint32_t>(kFlatRise_mm / static_cast<double>(rrep.grid.layer_height_mm) + 0.5);
+  const auto rise =
+      static_cast<std::uint32_t>(std::floor(kFlatRise_mm / static_cast<double>(rrep.grid.layer_height_mm) + 0.5));
   Stand stand;
   for (; stand.sunk < candidates; ++stand.sunk) {
     const std::uint64_t here = pixels_in(stream->mask(stand.sunk), window);

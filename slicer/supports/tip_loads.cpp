@@ -90,9 +90,8 @@ const Tip* TipLoads::carry(std::uint32_t column, std::uint32_t row, std::uint32_
   Tip& tip = list_[nearest];
   if (least < apart_ * apart_) {
     tip.close += pixels;
-  } else if (tip.dense && tip.load + pixels > most_of_island_) {
-    return &tip;
-  } else if (tip.load + pixels + reserve_ - std::min(reserve_, tip.close) > most_) {
+  } else if ((tip.dense && tip.load + pixels > most_of_island_) ||
+             tip.load + pixels + reserve_ - std::min(reserve_, tip.close) > most_) {
     return &tip;
   }
   tip.load += pixels;
