@@ -41,10 +41,15 @@ class Sweep {
  public:
   Sweep(const RRep& rrep, std::uint32_t lifted, const SupportSettings& settings, std::span<Tip> list,
         std::span<SpeckPixel> specks)
-      : grid_(rrep.grid), lifted_(lifted), window_(window_of(rrep)), pitch_(rrep.grid), list_(list), specks_(specks) {
+      : grid_(rrep.grid),
+        lifted_(lifted),
+        window_(window_of(rrep)),
+        pitch_(rrep.grid),
+        head_(nanometres(settings.head_front_diameter / 2)),
+        light_head_(nanometres(settings.head_front_diameter / 2 * kLightTip)),
+        list_(list),
+        specks_(specks) {
     const auto layer_height = static_cast<double>(grid_.layer_height_mm);
-    head_ = nanometres(settings.head_front_diameter / 2);
-    light_head_ = nanometres(settings.head_front_diameter / 2 * kLightTip);
     const double pixel_mm2 = static_cast<double>(grid_.pitch_x_mm) * static_cast<double>(grid_.pitch_y_mm);
     const double light_tip = settings.head_front_diameter * kLightTip;
     dense_pixels_ = kDenseIsland / pixel_mm2;
@@ -360,8 +365,8 @@ class Sweep {
   std::uint32_t lifted_;
   Window window_;
   PixelPitch pitch_;
-  Nanometres head_ = 0;            ///< radius of a tip of medium load
-  Nanometres light_head_ = 0;      ///< and of light load
+  Nanometres head_;                ///< radius of a tip of medium load
+  Nanometres light_head_;          ///< and of light load
   Nanometres reach_ = 0;           ///< of a tip
   std::uint32_t penetration_ = 0;  ///< layers
   std::uint32_t index_ = 0;        ///< of the layer, in the stream
