@@ -107,7 +107,9 @@ struct FolderListing final : StickMount::FileVisitor {
   void on_folder(std::string_view name) override {
     const bool is_foreign = foreign_format(name) != nullptr;
     if (is_foreign && (foreign.empty() || name < foreign)) foreign = name;
-    if (!is_foreign && !is_systems_folder(name)) folders.emplace(name);
+    if (is_foreign || is_systems_folder(name)) return;
+    folders.emplace(name);
+    if (folders.size() > StickScans::kMostFoldersOfAll) folders.erase(std::prev(folders.end()));
   }
   void on_other(std::string_view /*name*/, const char* /*what*/) override {}
 

@@ -155,13 +155,14 @@ Status ModelCopy::deliver(ModelParts& parts, TriangleBatch& batch, double done) 
       std::memcpy(offset.data(), object.vertices + static_cast<std::size_t>(i) * sizeof(Vec3f), sizeof(Vec3f));
       return Vec3d(offset.cast<double>() + origin);
     };
+    const std::uint64_t report_every = std::max<std::uint64_t>(1, kReportEvery / places.size());
     const std::byte* next = object.corners;
     std::uint64_t corner = 0;
     for (std::uint64_t i = 0; i < object.head.triangles; ++i) {
       Triangle t;
       for (Vec3d& p : t) p = position(corner += unfolded(read_number(next)));
       PLUMBLINE_TRY(add_placed(t, places, unit_mm_, batch));
-      if (i % kReportEvery == 0) {
+      if (i % report_every == 0) {
         const double share = static_cast<double>(next - room_.data()) / static_cast<double>(end_);
         PLUMBLINE_TRY(batch.report(done + (1 - done) * share));
       }

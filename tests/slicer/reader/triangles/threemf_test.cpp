@@ -30,10 +30,17 @@ class ThreeMfTriangles final : public TriangleSink {
       volume += t[0].dot(t[1].cross(t[2])) / 6;
     }
     count += triangles.size();
+    since_report += triangles.size();
+    most_unreported = std::max(most_unreported, since_report);
     return {};
   }
-  bool progress(double /*fraction*/) override { return true; }
+  bool progress(double /*fraction*/) override {
+    since_report = 0;
+    return true;
+  }
   std::size_t count = 0;
+  std::size_t since_report = 0;
+  std::size_t most_unreported = 0;
   double volume = 0;  ///< mm^3; negative: inside out
   Box3d bounds;
 };
@@ -414,6 +421,23 @@ TEST(ThreeMf, ASearchForAMeshTakesNoLongerBesideManyOthers) {
     beside_many = std::min(beside_many, seconds_of_searches(900));
   }
   EXPECT_LT(beside_many, 8 * alone) << alone << " s alone";
+}
+
+TEST(ThreeMf, AMeshAtManyPlacesReportsProgressAsOftenAsManyMeshes) {
+  constexpr std::size_t kPlaces = 512;
+  std::string items;
+  for (std::size_t k = 0; k < kPlaces; ++k) items += "<item objectid=\"1\"/>";
+  const TestMesh ball = ball_mesh({0, 0, 0}, 1, 3);
+  const std::string bytes = threemf_with(built(object_of(ball, 1), items));
+  ArenaBlock room(257 * 1024);
+  ModelCopy copy(*(*room).take_bottom<std::byte>(256 * 1024, "test"));
+  ThreeMfTriangles first, copied;
+  ASSERT_TRUE(ThreeMf::read(bytes, 1000, first, copy));
+  ASSERT_TRUE(copy.is_finished());
+  std::vector<std::byte> workspace(kReaderWorkspace);
+  ASSERT_TRUE(read_mesh(copy, copied, workspace));
+  EXPECT_EQ(copied.count, kPlaces * ball.faces.size());
+  EXPECT_LE(copied.most_unreported, std::size_t{1} << 17U);
 }
 
 TEST(ThreeMf, IsPrintedAtItsSizeWhateverUnitIsAskedFor) {
