@@ -63,11 +63,13 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
        {Stage::kWindingTree, Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
     planned_bytes[static_cast<std::size_t>(stage)] = plan.of(stage);
   }
+  // What the points and the map of evidence take is known by now.
+  const std::size_t map = object.confidence ? ConfidenceMap::bytes_needed(object.grid.layers) : 0;
+  planned_bytes[static_cast<std::size_t>(Stage::kRays)] += arena.used() - map - ray_points_bytes(object.cloud.size);
   // A refusal counts only surface that the scan has seen.
   const RayYield sure = yield_of(object, kSureShare * (seen.entering + seen.exiting));
   const std::size_t shooting = arena.used() + object.threads * ray_worker_bytes(tile_capacity(object.cloud.size)) +
                                store_bytes(object.grid, sure);
-  const std::size_t map = object.confidence ? ConfidenceMap::bytes_needed(object.grid.layers) : 0;
   const std::size_t sorting =
       store_bytes(object.grid, sure) + rrep_bytes(object.grid, sure) + CrossingStore::row_room_bytes(object.grid) + map;
   const std::size_t printing = map + rrep_bytes(object.grid, sure) + layers_stage_bytes(object.grid, 0);

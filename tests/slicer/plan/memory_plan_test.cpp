@@ -186,7 +186,7 @@ TEST(MemoryPlan, IsWithinFivePerCentOfTheMostThatAJobUses) {
     const double planned = most(report.planned_bytes);
     EXPECT_LE(used, planned) << job.scan;
     EXPECT_LE(planned, 1.05 * used) << job.scan;
-    for (const Stage stage : {Stage::kViews, Stage::kWindingTree, Stage::kRayGrid, Stage::kRRep}) {
+    for (const Stage stage : {Stage::kViews, Stage::kWindingTree, Stage::kRayGrid, Stage::kRays, Stage::kRRep}) {
       const auto s = static_cast<std::size_t>(stage);
       EXPECT_LE(report.peak_bytes[s], report.planned_bytes[s]) << job.scan << ", " << to_string(stage);
       EXPECT_LE(static_cast<double>(report.planned_bytes[s]), 1.05 * static_cast<double>(report.peak_bytes[s]))
