@@ -209,6 +209,18 @@ void RayClassifier::cross_band(float x, float y, const RaySurface& surface, cons
     emit(sheet.depth, evidence_of(sheet.depth), sheet.off_centre > kExtrapolated);
 }
 
+void RayClassifier::drop_thin_stretches() {
+  while (crossing_count_ > kMaxCrossings) {
+    std::uint32_t thinnest = 0;
+    const auto length = [&](std::uint32_t i) { return crossings_[i + 1].depth - crossings_[i].depth; };
+    for (std::uint32_t i = 1; i + 1 < crossing_count_; ++i) {
+      if (length(i) < length(thinnest)) thinnest = i;
+    }
+    std::copy(crossings_.begin() + thinnest + 2, crossings_.begin() + crossing_count_, crossings_.begin() + thinnest);
+    crossing_count_ -= 2;
+  }
+}
+
 std::optional<float> RayClassifier::sheet_near(std::uint32_t column, std::uint32_t row, float depth, bool entering) {
   const auto found = solver_.solve_near(gatherer_.points_near(grid().x_of(column), grid().y_of(row), depth), depth,
                                         entering, kExtrapolated);
@@ -261,7 +273,8 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   std::span<RayCrossing> settled = crossings_.first(crossing_count_);
   used_winding_ |= fill_short_hollows(settled, x, y, winding_, points.reach);
   used_winding_ |= settle_extrapolated(settled, x, y, winding_, points.reach);
-  crossing_count_ = std::min(static_cast<std::uint32_t>(settled.size()), kMaxCrossings);
+  crossing_count_ = static_cast<std::uint32_t>(settled.size());
+  drop_thin_stretches();
   RayDecision decision = used_winding_ ? RayDecision::kWinding : RayDecision::kPerfect;
   if (base && crossing_count_ > 0) decision = winding_.tree().has_base() ? RayDecision::kBase : RayDecision::kWinding;
   if (crossing_count_ == 0) decision = passing ? RayDecision::kOutside : RayDecision::kAway;

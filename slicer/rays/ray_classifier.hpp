@@ -57,7 +57,8 @@ class RayClassifier {
  public:
   static constexpr std::uint32_t kColumnTiles = 4;                        ///< a side
   static constexpr std::uint32_t kColumnSide = kColumnTiles * kTileSide;  ///< rays
-  static constexpr std::uint32_t kMaxCrossings = 254;  ///< of a ray, the lowest ones: their number fits a byte
+  static constexpr std::uint32_t kMaxCrossings =
+      254;  ///< a ray; if it has more, the thinnest intervals are dropped. Counts fit a byte
 
   static std::size_t bytes_needed(std::uint32_t tile_capacity);
   [[nodiscard]] static Expected<RayClassifier> create(const RayField& field, Arena& arena);
@@ -116,6 +117,7 @@ class RayClassifier {
   void cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to);
   void emit(float depth, Evidence evidence, bool extrapolated = false);
   Evidence evidence_of(float depth) const;
+  void drop_thin_stretches();
 
   RayGatherer gatherer_;
   RaySolver solver_;

@@ -17,8 +17,8 @@ constexpr float kRadius = 1.2F;    ///< mm
 constexpr float kPointsInReach = static_cast<float>(kPi) * kRadius * kRadius / static_cast<float>(kSpacing * kSpacing);
 
 /// The crossings of the ray through (10, 10), mm.
-std::vector<float> crossings(const Surface& surface) {
-  ArenaBlock block(16 * kMiB);
+std::vector<float> crossings(const Surface& surface, std::uint32_t layers = 200) {
+  ArenaBlock block(32 * kMiB);
   Arena& arena = *block;
   Cloud cloud = cloud_of(surface, arena, kRadius);
   sort_by_tree(cloud, arena);
@@ -28,7 +28,7 @@ std::vector<float> crossings(const Surface& surface) {
   const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), arena, "test"));
   PrintGrid grid;
   grid.columns = grid.rows = 100;
-  grid.layers = 200;
+  grid.layers = layers;
   grid.pitch_x_mm = grid.pitch_y_mm = 0.2F;
   const RayField field{.cloud = &cloud,
                        .tree = &tree,
@@ -61,6 +61,23 @@ void expect_the_plate(const Surface& surface, float tolerance) {
 TEST(RayClassifier, EntersAndExitsAPlate) {
   Random random(1);
   expect_the_plate(plate(random), 0.05F);
+}
+
+// Through a tall lattice. Were the lowest kept, it would lose its top.
+TEST(RayClassifier, DropsTheThinnestStretchesOfARayWithTooManyCrossings) {
+  constexpr int kPlates = 130;
+  Random random(3);
+  Surface surface;
+  for (int k = 0; k < kPlates; ++k) {
+    const double low = 2 + 2.5 * k;
+    const double high = low + (k + 1 < kPlates ? 1 : 1.3);
+    append(surface, sheet({8, 8, low}, {0, 4, 0}, {4, 0, 0}, kSpacing, 0.2, random));
+    append(surface, sheet({8, 8, high}, {4, 0, 0}, {0, 4, 0}, kSpacing, 0.2, random));
+  }
+  const std::vector<float> found = crossings(surface, 7000);
+  ASSERT_EQ(found.size(), RayClassifier::kMaxCrossings);
+  EXPECT_NEAR(found.front(), 2, 2.6);
+  EXPECT_NEAR(found.back(), 2 + 2.5 * (kPlates - 1) + 1.3, 0.1);
 }
 
 // Wide support radii beyond an edge once turned a ray inside out at both ends. The whole ray was dropped, which left a
