@@ -29,6 +29,9 @@ std::string_view to_string(EventKind kind);
 struct Event {
   TimePoint at;  ///< when it happened, not when it was delivered
   EventKind kind = EventKind::kShutdownRequested;
+  /// It answers the question at hand and no other: a command that names it. A button's press names nothing, so what it answers depends on
+  /// when it came.
+  bool named = false;
 };
 
 /// One queue for all devices. Each event is delivered exactly once; contacts are debounced.

@@ -65,7 +65,71 @@ int open_below(int folder, std::string_view name) {
   return -1;
 }
 
+/// Whether something by that name is in a folder, whatever it is.
+bool is_in(int folder, const char* name) {
+  struct stat facts {};
+  return ::fstatat(folder, name, &facts, AT_SYMLINK_NOFOLLOW) == 0;
+}
+
+/// The kind of an entry, as S_IFMT has it; 0: the file system does not say.
+mode_t kind_in(const dirent& entry) {
+  return entry.d_type == DT_UNKNOWN ? mode_t{0} : static_cast<mode_t>(DTTOIF(entry.d_type));
+}
+
+/// Visits a folder of one partition.
+/// @param earlier  the same folder of the partitions before it; -1: one has none
+/// @returns whether to go on
+Expected<bool> visit(DIR* listing, std::span<const int> earlier, StickMount::FileVisitor& visitor, int& reason) {
+  const int folder = ::dirfd(listing);
+  errno = 0;
+  while (const dirent* const entry = ::readdir(listing)) {
+    if (entry->d_name[0] == '.') continue;
+    const auto wanted = visitor.goes_on();
+    PLUMBLINE_TRY(wanted);
+    if (!*wanted) return false;
+    struct stat facts {};
+    facts.st_mode = kind_in(*entry);
+    const bool looks = facts.st_mode == 0 || (S_ISREG(facts.st_mode) && visitor.wants_facts(entry->d_name));
+    if (looks && ::fstatat(folder, entry->d_name, &facts, AT_SYMLINK_NOFOLLOW) != 0) {
+      visitor.on_other(entry->d_name, "unreadable");
+    } else if (S_ISREG(facts.st_mode)) {
+      const bool hidden = looks && std::any_of(earlier.begin(), earlier.end(),
+                                               [&](int other) { return other >= 0 && is_in(other, entry->d_name); });
+      visitor.on_file(entry->d_name,
+                      {static_cast<std::uint64_t>(facts.st_size), facts.st_mtim.tv_sec, hidden ? earlier.size() : 0});
+    } else if (S_ISDIR(facts.st_mode)) {
+      visitor.on_folder(entry->d_name);
+    } else {
+      visitor.on_other(entry->d_name, kind_of(facts.st_mode));
+    }
+    errno = 0;
+  }
+  reason = errno;
+  return true;
+}
+
+/// The partition that a name of path_on_stick() begins with, which is taken off; none: it has none, or one that is not there.
+std::optional<std::size_t> take_partition(std::string_view& name, std::size_t count) {
+  if (name.size() < 3 || name[1] != ':' || name[0] < '2' || name[0] > '9') return std::nullopt;
+  const auto partition = static_cast<std::size_t>(name[0] - '1');
+  if (partition >= count) return std::nullopt;
+  name.remove_prefix(2);
+  return partition;
+}
+
 }  // namespace
+
+std::string path_on_stick(std::string_view folder, std::string_view name, std::size_t partition) {
+  static_assert(StickParts::kMost < 10, "a digit names a partition");
+  std::string path = partition > 0 ? std::to_string(partition + 1) + ":" : std::string();
+  if (!folder.empty()) path.append(folder).append("/");
+  return path.append(name);
+}
+
+void StickParts::close() {
+  for (std::size_t i = 0; i < count; ++i) ::close(folders[i]);
+  count = 0;
+}
 
 StickFile::StickFile(StickPort& port, int file, std::string_view name, std::uint64_t size)
     : port_(&port), file_(file), name_size_(std::min(name.size(), name_.size())), size_(size) {
@@ -95,21 +159,46 @@ std::optional<int> StickFile::descriptor() const {
 }
 
 StickMount::StickMount(StickMount&& other) noexcept
-    : port_(std::exchange(other.port_, nullptr)), folder_(std::exchange(other.folder_, -1)) {}
+    : port_(std::exchange(other.port_, nullptr)), parts_(std::exchange(other.parts_, {})) {}
 
 StickMount::~StickMount() {
-  if (folder_ >= 0) ::close(folder_);
+  parts_.close();
   if (port_ != nullptr) port_->mounted_ = false;
+}
+
+/// @returns a descriptor, or -1 with errno set
+StickMount::Opened StickMount::open_path(std::string_view name) const {
+  const auto only = take_partition(name, parts_.count);
+  errno = EACCES;
+  if (!stays_inside(name)) return {};
+  for (std::size_t p = only.value_or(0);; ++p) {
+    const int file = open_below(parts_.folders[p], name);
+    const bool missing = file < 0 && (errno == ENOENT || errno == ENOTDIR);
+    if (!missing || only || p + 1 == parts_.count) return {file, p};
+  }
+}
+
+std::string StickMount::name_beside(std::string_view file, std::string_view name) const {
+  const Opened there = open_path(file);
+  if (there.file >= 0) ::close(there.file);
+  if (there.file < 0 || there.partition == 0) return std::string(name);
+  const std::string own = path_on_stick({}, name, there.partition);
+  const Opened first = open_path(name), beside = open_path(own);
+  if (first.file >= 0) ::close(first.file);
+  if (beside.file >= 0) ::close(beside.file);
+  return beside.file >= 0 && first.partition != there.partition ? own : std::string(name);
 }
 
 Expected<StickFile> StickMount::open(std::string_view name) const {
   PLUMBLINE_TRY(port_->check_mounted());
   const int shown = static_cast<int>(std::min<std::size_t>(name.size(), 200));
-  if (!stays_inside(name)) {
+  std::string_view path = name;
+  static_cast<void>(take_partition(path, parts_.count));
+  if (!stays_inside(path)) {
     return fail(ErrorCode::kCannotOpen, "%.*s:\tname a file on the stick, without a leading / and without ..", shown,
                 name.data());
   }
-  const int file = open_below(folder_, name);
+  const int file = open_path(name).file;
   struct stat facts {};
   if (file < 0 || ::fstat(file, &facts) != 0) {
     const int reason = errno;
@@ -131,7 +220,7 @@ Expected<StickFile> StickMount::open(std::string_view name) const {
 Status StickMount::check() const { return port_->check_mounted(); }
 
 bool StickMount::is_folder(std::string_view name) const {
-  const int file = stays_inside(name) ? open_below(folder_, name) : -1;
+  const int file = open_path(name).file;
   struct stat facts {};
   const bool folder = file >= 0 && ::fstat(file, &facts) == 0 && S_ISDIR(facts.st_mode);
   if (file >= 0) ::close(file);
@@ -148,37 +237,43 @@ Status StickMount::for_each_file(FileVisitor& visitor, std::string_view folder) 
     return fail(ErrorCode::kCannotRead, "%.*s: its files can't be listed: %s", shown, folder.data(),
                 std::strerror(reason));
   };
-  if (!folder.empty() && !stays_inside(folder)) return refused(EACCES);
-  // A descriptor of its own: a directory stream moves its descriptor's position and closes it.
-  const int again =
-      folder.empty() ? ::openat(folder_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC) : open_below(folder_, folder);
-  DIR* const listing = again < 0 ? nullptr : ::fdopendir(again);
-  if (listing == nullptr) {
-    const int reason = errno;
-    if (again >= 0) ::close(again);
-    PLUMBLINE_TRY(port_->check_mounted());
-    return refused(reason);
-  }
-  errno = 0;
-  while (const dirent* const entry = ::readdir(listing)) {
-    struct stat facts {};
-    if (entry->d_name[0] != '.') {
-      if (::fstatat(again, entry->d_name, &facts, AT_SYMLINK_NOFOLLOW) != 0) {
-        visitor.on_other(entry->d_name, "unreadable");
-      } else if (S_ISREG(facts.st_mode)) {
-        visitor.on_file(entry->d_name, static_cast<std::uint64_t>(facts.st_size));
-      } else if (S_ISDIR(facts.st_mode)) {
-        visitor.on_folder(entry->d_name);
-      } else {
-        visitor.on_other(entry->d_name, kind_of(facts.st_mode));
+  std::string_view path = folder;
+  const auto only = take_partition(path, parts_.count);
+  if (!folder.empty() && !stays_inside(path)) return refused(EACCES);
+  std::array<int, StickParts::kMost> opened{};
+  opened.fill(-1);
+  std::size_t listed = 0, unlisted = 0;
+  int problem = ENOENT;
+  Expected<bool> goes_on = true;
+  for (std::size_t p = 0; p < parts_.count && goes_on && *goes_on; ++p) {
+    if (only && *only != p) continue;
+    // A descriptor of its own: a directory stream moves its descriptor's position and closes it.
+    const int again = path.empty() ? ::openat(parts_.folders[p], ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)
+                                   : open_below(parts_.folders[p], path);
+    int reason = errno;
+    opened[p] = again < 0 ? -1 : ::fcntl(again, F_DUPFD_CLOEXEC, 0);
+    DIR* const listing = again < 0 ? nullptr : ::fdopendir(again);
+    if (listing == nullptr) {
+      if (again >= 0) {
+        reason = errno;
+        ::close(again);
       }
+    } else {
+      reason = 0;
+      goes_on = visit(listing, std::span(opened).first(p), visitor, reason);
+      ::closedir(listing);
     }
-    errno = 0;
+    if (reason == 0) ++listed;
+    if (reason != 0 && reason != ENOENT && reason != ENOTDIR) ++unlisted;
+    if (reason != 0 && (problem == ENOENT || problem == ENOTDIR)) problem = reason;
   }
-  const int reason = errno;
-  ::closedir(listing);
+  for (const int file : opened) {
+    if (file >= 0) ::close(file);
+  }
+  PLUMBLINE_TRY(goes_on);
   PLUMBLINE_TRY(port_->check_mounted());
-  if (reason != 0) return refused(reason);
+  if (listed == 0) return refused(problem);
+  for (std::size_t i = 0; i < unlisted; ++i) visitor.on_unlisted();
   return {};
 }
 
@@ -195,10 +290,10 @@ Status StickPort::check_mounted() const {
 Expected<StickMount> StickPort::mount() {
   PLUMBLINE_TRY(interlock_.check_power());
   if (mounted_) return fail(ErrorCode::kBusy, "the stick is already mounted");
-  const auto folder = do_mount();
-  PLUMBLINE_TRY(folder);
+  const auto parts = do_mount();
+  PLUMBLINE_TRY(parts);
   mounted_ = true;
-  return StickMount(*this, *folder);
+  return StickMount(*this, *parts);
 }
 
 Expected<bool> StickPort::store(const StickReport& report) {

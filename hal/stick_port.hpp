@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "hal/interlock.hpp"
@@ -31,6 +32,29 @@ struct StickReport {
   int file = -1;                      ///< descriptor
   std::uint64_t from = 0, bytes = 0;  ///< of that file
 };
+
+/// The file systems on a stick that can be read, mounted.
+struct StickParts {
+  static constexpr std::size_t kMost = 8;
+  std::array<int, kMost> folders{};  ///< descriptors of their top folders
+  std::size_t count = 0;
+  std::size_t unread = 0;  ///< partitions that can't be read, or for which there was no room
+
+  void close();
+};
+
+/// What a listing tells of a file.
+struct StickFileFacts {
+  std::uint64_t bytes = 0;
+  std::int64_t modified = 0;  ///< s since 1970
+  std::size_t partition =
+      0;  ///< 0: its path is enough; else a file of an earlier partition has that path, and path_on_stick() tells them apart
+};
+
+/// A name for StickMount::open(): "bust.ply", "scans/bust.ply", or "2:bust.ply" if the first partition has a bust.ply, too. No file on FAT or
+/// exFAT has a colon in its name.
+/// @param folder  as the name of open(), empty: the top folder
+std::string path_on_stick(std::string_view folder, std::string_view name, std::size_t partition);
 
 /// The error of a report that does not get onto a stick.
 /// @param reason  errno
@@ -69,7 +93,8 @@ class StickFile final : public ByteSource {
   std::uint64_t size_ = 0;
 };
 
-/// A mounted stick: read-only, nothing on it is executed. The destructor unmounts it; close its files first.
+/// A mounted stick: read-only, nothing on it is executed. Its partitions are seen as one: a path leads to the first of them that has it. The
+/// destructor unmounts it; close its files first.
 class StickMount {
  public:
   StickMount(StickMount&& other) noexcept;
@@ -78,7 +103,7 @@ class StickMount {
   StickMount& operator=(const StickMount&) = delete;
   ~StickMount();
 
-  /// @param name  relative to the stick's top folder, without ".." and symbolic links
+  /// @param name  relative to the stick's top folder, without ".." and symbolic links; of path_on_stick() if partitions share it
   /// @retval ErrorCode::kCannotOpen  no such file, not a regular file, or a forbidden name
   /// @retval ErrorCode::kStickGone, kPowerLost
   [[nodiscard]] Expected<StickFile> open(std::string_view name) const;
@@ -87,28 +112,46 @@ class StickMount {
   /// @retval ErrorCode::kStickGone, kPowerLost
   [[nodiscard]] Status check() const;
 
+  /// Partitions that can't be read: they have another file system, are damaged, or are more than StickParts::kMost.
+  std::size_t unread_partitions() const { return parts_.unread; }
+
   class FileVisitor {
    public:
     virtual ~FileVisitor() = default;
-    virtual void on_file(std::string_view name, std::uint64_t bytes) = 0;
+    virtual void on_file(std::string_view name, const StickFileFacts& facts) = 0;
     /// @param what  "a folder", "a symbolic link", "a pipe", ...: it can't be read as a file
     virtual void on_other(std::string_view name, const char* what) = 0;
+    /// Called for each partition that has such a folder.
     virtual void on_folder(std::string_view name) { on_other(name, "a folder"); }
+    /// A partition whose folder can't be listed to its end, while that of another one can.
+    virtual void on_unlisted() {}
+    /// Whether on_file() needs the facts: on FAT, looking for a file takes as long as its folder is large.
+    virtual bool wants_facts(std::string_view /*name*/) { return true; }
+    /// Asked before each entry. @returns whether to go on; an error ends the visit, too
+    virtual Expected<bool> goes_on() { return true; }
   };
-  /// Visits what is in a folder in no particular order, without hidden names. Opens no file.
+  /// Visits what is in a folder of all partitions in no particular order, without hidden names. Opens no file.
   /// @param folder  as the name of open(); empty: the stick's top folder
   /// @retval ErrorCode::kCannotRead  also: it is no folder
-  /// @retval ErrorCode::kStickGone, kPowerLost
+  /// @retval ErrorCode::kStickGone, kPowerLost, and the errors of goes_on()
   [[nodiscard]] Status for_each_file(FileVisitor& visitor, std::string_view folder = {}) const;
+  /// What a file calls `name`: the file or folder of that name on its own partition, if there is one.
+  /// @returns a name for open()
+  std::string name_beside(std::string_view file, std::string_view name) const;
   /// Whether a name of open() is a folder.
   [[nodiscard]] bool is_folder(std::string_view name) const;
 
  private:
   friend class StickPort;
-  StickMount(StickPort& port, int folder) : port_(&port), folder_(folder) {}
+  StickMount(StickPort& port, const StickParts& parts) : port_(&port), parts_(parts) {}
+  struct Opened {
+    int file = -1;
+    std::size_t partition = 0;
+  };
+  Opened open_path(std::string_view name) const;
 
   StickPort* port_;
-  int folder_ = -1;
+  StickParts parts_;
 };
 
 /// The port. It serves one stick at a time: a second one is ignored until the first is gone.
@@ -149,8 +192,8 @@ class StickPort {
 
   virtual bool do_has_stick() const = 0;
   virtual Expected<StickIdentity> do_identity() const = 0;
-  /// Mounts the stick. @returns a descriptor of its top folder; closing the last file of it unmounts the stick
-  virtual Expected<int> do_mount() = 0;
+  /// Mounts the stick's partitions, at least one. Closing the last file of each unmounts it
+  virtual Expected<StickParts> do_mount() = 0;
   virtual Expected<bool> do_store(const StickReport& report) = 0;
   /// Reads like read(2), with the errors of StickFile::read().
   virtual Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) = 0;

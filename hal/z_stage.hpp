@@ -99,6 +99,12 @@ class ZStage {
   /// @retval ErrorCode::kNotHomed, kLampLit, kBusy, kPowerLost
   [[nodiscard]] Expected<Motion> begin_move(ZPosition target, Speed speed);
 
+  /// Legs of a homing: from the end stop back, and up to it again slowly. A board file may have another speed for that.
+  static constexpr Distance kBackOff = 2_mm;  ///< more than the braking distance and the switch's hysteresis
+  static constexpr Speed kApproachSpeed{
+      5};                                  ///< mm/s; faster saves seconds, but brakes longer past the switch (v^2 / 2a)
+  static constexpr Speed kFindSpeed{0.5};  ///< mm/s
+
   /// The longest jog.
   static constexpr Distance kLongestJog = 10_mm;
 

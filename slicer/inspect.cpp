@@ -94,9 +94,13 @@ Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSett
     report.bounds = report.bounds_with_noise = scan.bounds();
     return measure(scan, tree, arena, report);
   };
-  auto scan = prepare(sources, settings, arena, progress, report, measure_all);
+  const auto admit = [&](const PreparedScan& read) { return check_extent(read.bounds(), sources); };
+  auto scan = prepare(sources, settings, arena, progress, report, measure_all, admit);
   PLUMBLINE_TRY(scan);
   const PlacementSettings placing = heed_header(settings.placement, report.scan.header);
+  if (scan->cloud.size > 0 || report.floor.points == 0) {
+    PLUMBLINE_TRY(check_has_surface(*scan, sources, report, placing));
+  }
   if (scan->cloud.size > 0) report.bounds = scan->bounds();
   report.units = units_of(report.bounds, placing);
   const double unit_mm = millimetres_per(report.units);

@@ -21,7 +21,7 @@ struct InspectReport : PreparationReport {
   Units units = Units::kMillimetres;  ///< the unit asked for, or the guess
   /// As in slice(), or why the object doesn't fit. Its layers are those that the coarse R-Rep has.
   Expected<Placement> placement;
-  Status sliced;       ///< why there is no coarse R-Rep: ErrorCode::kNoSurface, kOutOfMemory or kDoesNotFit
+  Status sliced;       ///< why there is no coarse R-Rep: ErrorCode::kNoSurface (a speck), kOutOfMemory or kDoesNotFit
   SliceReport coarse;  ///< of the coarse R-Rep; its confidence map is released together with it
 };
 
@@ -41,6 +41,7 @@ inline constexpr auto kNoLook = [](const RRep&, const SliceReport&) -> Status { 
 /// @param settings  as for slice(); a confidence map is always kept
 /// @param report    filled as far as it went, also on error
 /// @param look      called once if there is a coarse R-Rep
+/// @retval ErrorCode::kNoSurface  there is none, so nothing could be measured: in the words of slice()
 /// @retval ErrorCode::kOutOfMemory, kCancelled and all of read_scan() and `look`
 [[nodiscard]] Status inspect(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                              InspectReport& report, CoarseLook look = kNoLook);

@@ -6,6 +6,7 @@
 #include "slicer/mesh/hit_resolver.hpp"
 #include "slicer/mesh/mesh_dipoles.hpp"
 #include "slicer/mesh/mesh_reading.hpp"
+#include "slicer/mesh/open/lone_columns.hpp"
 #include "slicer/orientation/orientations.hpp"
 #include "slicer/plan/mesh_plan.hpp"
 #include "slicer/reader/scan_reader.hpp"
@@ -43,13 +44,13 @@ class MeshStages {
     constexpr auto kReading = static_cast<std::size_t>(Stage::kRead);
     report_.planned_bytes[kReading] = report_.peak_bytes[kReading];  // it has been read, with room for more vertices
     PLUMBLINE_TRY(find_hits());
-    bool whole = report_.mesh->closed || report_.mesh->turned;
+    bool whole = found_.closed;
     if (whole) files_.drop_copy(arena_);
     const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     double done = 0;
     if (!whole) {
       const auto holes =
-          close_holes(files_, survey_, grid(), transform_, hits_, arena_, {progress_, Stage::kRays, 0, kHolesClosed});
+          close_holes(files_, survey_, grid(), transform_, found_, arena_, {progress_, Stage::kRays, 0, kHolesClosed});
       PLUMBLINE_TRY(holes);
       files_.drop_copy(arena_);  // so that it takes no room from what else is read: that would change the cells
       arena_.reset_peak();
@@ -60,7 +61,8 @@ class MeshStages {
       done = kHolesClosed;
     }
     if (!whole) {
-      doubled_ = hits_.drop_doubled();
+      // Else what is there twice has been left out, and two hits of a ray in one layer are two sheets.
+      if (!has_sides_) doubled_ = hits_.drop_doubled();
       done = kFieldBuilt;
       find_tiles();
       PLUMBLINE_TRY(rim_.empty() ? build_field() : follow_rim());
@@ -70,8 +72,11 @@ class MeshStages {
                                     {progress_, Stage::kRays, kFieldRead, kFieldBuilt}));
       }
     }
-    return resolve_hits(hits_, grid(), whole ? nullptr : &field_, settings_.threads, arena_,
-                        {progress_, Stage::kRays, done, 1}, *report_.mesh);
+    auto store = resolve_hits(hits_, grid(), whole ? nullptr : &field_, settings_.threads, arena_,
+                              {progress_, Stage::kRays, done, 1}, *report_.mesh);
+    // Without room for the search, the columns stay.
+    if (store && !whole) static_cast<void>(drop_lone_columns(*store, arena_));
+    return store;
   }
 
  private:
@@ -97,18 +102,34 @@ class MeshStages {
     const StageScope stage(Stage::kRayGrid, arena_, progress_, report_.peak_bytes);
     const auto found = read_hits(files_, survey_, grid(), transform_, arena_, {progress_, Stage::kRayGrid});
     PLUMBLINE_TRY(found);
-    hits_ = found->hits;
+    found_ = *found;
     report_.mesh->closed = found->closed;
-    report_.mesh->turned = !found->closed && found->paired && !has_overlaps(hits_);
     report_.mesh->flat = found->flat;
+    if (!found->closed || has_doubtful_sides(found->hits)) PLUMBLINE_TRY(find_sides());
     report_.mesh->hits = hits_.size();
+    return {};
+  }
+
+  /// Decides which way each shell faces.
+  Status find_sides() {
+    std::size_t& planned = report_.planned_bytes[static_cast<std::size_t>(Stage::kRayGrid)];
+    planned =
+        std::max(planned, arena_.used() + sides_bytes(survey_.triangles, files_.vertices_kept(survey_.most_vertices),
+                                                      arena_.available()));
+    const auto found = read_sides(files_, survey_, grid(), transform_, found_, arena_, {progress_, Stage::kRayGrid});
+    PLUMBLINE_TRY(found);
+    has_sides_ = *found;
+    report_.mesh->closed = found_.closed;
+    report_.mesh->turned = found_.turned;
+    report_.mesh->dropped = found_.dropped;
     return {};
   }
 
   std::size_t& planned_for_rays() { return report_.planned_bytes[static_cast<std::size_t>(Stage::kRays)]; }
   /// Adds to the plan what rays need that are not closed.
   void plan_open_rays() {
-    planned_for_rays() += resolve_bytes(settings_.threads, &field_) - resolve_bytes(settings_.threads, nullptr);
+    planned_for_rays() += resolve_bytes(settings_.threads, &field_) - resolve_bytes(settings_.threads, nullptr) +
+                          lone_columns_bytes(grid());
   }
 
   /// Which tiles the mesh covers.
@@ -156,10 +177,10 @@ class MeshStages {
     planned_for_rays() = std::max(planned_for_rays() + MeshDipoles::field_bytes(slots),
                                   arena_.used() + reading + MeshDipoles::reading_bytes(slots));
     const double scale = report_.placement.scale;
-    const auto dipoles =
-        read_dipoles(files_, survey_.most_vertices,
-                     {transform_, box_, survey_.area * scale * scale, caps_, MeshLattice(grid(), transform_).step()},
-                     arena_, {progress_, Stage::kRays, kHolesClosed, kFieldRead});
+    const auto dipoles = read_dipoles(
+        files_, survey_.most_vertices,
+        {transform_, box_, survey_.area * scale * scale, caps_, MeshLattice(grid(), transform_).step(), found_.sides},
+        arena_, {progress_, Stage::kRays, kHolesClosed, kFieldRead});
     PLUMBLINE_TRY(dipoles);
     const auto nodes =
         arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(dipoles->cloud.size), "winding number");
@@ -180,21 +201,21 @@ class MeshStages {
   SliceReport& report_;
   MeshTransform transform_;
   Box3f box_;  ///< of the placed mesh, mm
-  HitList hits_;
+  MeshHits found_;
+  HitList& hits_ = found_.hits;
   std::span<const RimCorner> rim_;         ///< MeshRim; empty: no field, or one of all triangles
   std::span<const LatticeTriangle> caps_;  ///< for that one: of small holes, whose hits are among the others
+  bool has_sides_ = false;                 ///< read_sides() has decided them
   bool doubled_ = false;                   ///< some hits were there twice
   WindingTree winding_;
   MeshField field_;
 };
 
 Expected<MeshHint> hint_of_files(MeshFiles& files, Arena& arena) {
-  const std::size_t bottom = arena.bottom_mark();
+  const BottomScope scope(arena);
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, "mesh");
   PLUMBLINE_TRY(workspace);
-  const auto hint = files.hint(*workspace);
-  arena.release_bottom(bottom);
-  return hint;
+  return files.hint(*workspace);
 }
 
 /// @param most_vertices  of a file; none: unknown

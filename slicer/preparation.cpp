@@ -4,6 +4,10 @@
 #include <cmath>
 
 #include "slicer/cloud/cloud_reader.hpp"
+#include "slicer/cloud/even_spacing.hpp"
+#include "slicer/cloud/filled_volume.hpp"
+#include "slicer/cloud/outliers.hpp"
+#include "slicer/cloud/proof_sample.hpp"
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/core/words/plural.hpp"
 #include "slicer/mesh_slicing.hpp"
@@ -37,6 +41,9 @@ void rotate(PreparedScan& scan, const Mat3d& rotation) {
     n.set((rotation * n.unpack().cast<double>()).cast<float>());
     if (classified) n.point_class = orientation_of(n);
   }
+  for (Vec3f& p : scan.cloud.views.scanner.first(scan.cloud.views.count))
+    p = (rotation * p.cast<double>()).cast<float>();
+  for (Vec3f& p : scan.sample) p = (rotation * p.cast<double>()).cast<float>();
   scan.offset = rotation * scan.offset;
   scan.turned = rotation * scan.turned;
 }
@@ -53,10 +60,12 @@ class Preparation {
     PLUMBLINE_TRY(admit(scan_));
     const ArenaScope trees(arena_);
     before_tree_ = arena_.top_mark();
+    PLUMBLINE_TRY(settle());
     PLUMBLINE_TRY(measure_surface(measure));
     // Each time at most half of the points are left, so this ends, and takes about half as long again.
     while (blurred_ && may_average()) {
       average();
+      PLUMBLINE_TRY(build_tree());
       PLUMBLINE_TRY(measure_surface(kNoMeasurement));
     }
     return scan_;
@@ -64,11 +73,21 @@ class Preparation {
 
   Status run_normals(NormalsLook look) {
     PLUMBLINE_TRY(read());
+    PLUMBLINE_TRY(check_extent(scan_.bounds(), sources_));
     const ArenaScope trees(arena_);
     before_tree_ = arena_.top_mark();
-    PLUMBLINE_TRY(build_tree());
+    PLUMBLINE_TRY(settle());
     PLUMBLINE_TRY(find_normals(false));
-    return look(scan_);
+    if (!may_average()) {
+      PLUMBLINE_TRY(cluster(FloorChoice{FloorChoice::Kind::kKeep}));
+      PLUMBLINE_TRY(check_has_surface(scan_, sources_, report_, settings_.placement));
+    }
+    const auto samples = sample_surface(scan_.cloud, arena_);
+    PLUMBLINE_TRY(samples);
+    scan_.has_surface = !samples->patches.empty() && scan_.cloud.spans_area();
+    look_for_volume();
+    PLUMBLINE_TRY(check_has_surface(scan_, sources_, report_, settings_.placement));
+    return look(scan_, *samples);
   }
 
  private:
@@ -88,6 +107,7 @@ class Preparation {
       PLUMBLINE_TRY(check_units(sources_, placement.units, announced.some_in_mm, announced.some_in_any_unit));
       evidence.reader_bytes = announced.reader_bytes;
       evidence.kept_bytes = announced.kept_bytes;
+      evidence.views = announced.most_views;
       const auto largest = largest_plan(budget, std::nullopt, panel, threads, evidence);
       PLUMBLINE_TRY(largest);
       report_.cloud_capacity = largest->points;
@@ -105,6 +125,8 @@ class Preparation {
     PLUMBLINE_TRY(check_units(sources_, placement.units, report_));
     report_.cloud_points = read->cloud.size;
     report_.averaged_points = read->averaged;
+    const CloudViews& views = read->cloud.views;
+    if (!views.are_runs) report_.stated_views.count = views.count;
     report_.lengths.thinning_cell = {static_cast<float>(read->cell)};
     report_.planned_bytes = plan_memory(read->cloud.size, panel, threads, evidence).bytes;
     report_.planned_bytes[static_cast<std::size_t>(Stage::kRead)] = reading_bytes;
@@ -116,9 +138,21 @@ class Preparation {
     return build_tree({progress_, Stage::kTrees});
   }
 
-  /// The stages that follow reading.
+  /// Removes outliers, and replaces what lies in lines by points as far apart as the lines need.
+  Status settle() {
+    const StageScope stage(Stage::kTrees, arena_, progress_, report_.peak_bytes);
+    const StageProgress progress{progress_, Stage::kTrees};
+    PLUMBLINE_TRY(build_tree(progress.part(0, 0.6)));
+    const auto outliers = drop_outliers(scan_.cloud, *tree_, arena_, progress.part(0.6, 0.8));
+    PLUMBLINE_TRY(outliers);
+    report_.outliers = *outliers;
+    if (*outliers > 0) PLUMBLINE_TRY(rebuild_tree(progress.part(0.8, 0.9)));
+    report_.evened_points = even_out_lines(scan_.cloud, *tree_);
+    return report_.evened_points > 0 ? rebuild_tree(progress.part(0.9, 1)) : Status();
+  }
+
+  /// The stages that follow.
   Status measure_surface(Measurement measure) {
-    PLUMBLINE_TRY(build_tree());
     PLUMBLINE_TRY(find_normals(true));
     PLUMBLINE_TRY(align());
     return find_surface(measure);
@@ -150,6 +184,11 @@ class Preparation {
     return {};
   }
 
+  Status rebuild_tree(const StageProgress& progress) {
+    arena_.release_top(before_tree_);
+    return build_tree(progress);
+  }
+
   /// @param upright  also look which way up it lies
   Status find_normals(bool upright) {
     const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
@@ -157,6 +196,7 @@ class Preparation {
     const auto normals = complete_normals(scan_.cloud, *tree_, arena_, {progress_, Stage::kNormals}, sides);
     PLUMBLINE_TRY(normals);
     report_.normals = *normals;
+    report_.stated_views.scanners = scan_.cloud.views.scanners();
     return upright ? find_upright() : Status();
   }
 
@@ -179,45 +219,34 @@ class Preparation {
     PLUMBLINE_TRY(best);
     report_.turned = *best;
     rotate(scan_, rotation_matrix({best->degrees[0], best->degrees[1], 0}));
-    arena_.release_top(before_tree_);
-    return build_tree({progress_, Stage::kNormals});
+    return rebuild_tree({progress_, Stage::kNormals});
   }
 
   Status align() {
     const StageScope stage(Stage::kViews, arena_, progress_, report_.peak_bytes);
     const StageProgress progress{progress_, Stage::kViews};
-    const auto views = align_views(scan_.cloud, *tree_, arena_, progress.part(0, 0.85));
+    const auto views = register_views(scan_.cloud, *tree_, arena_, progress.part(0, 0.85));
     PLUMBLINE_TRY(views);
-    report_.views = *views;
-    const std::size_t tree = before_tree_ - arena_.top_mark();
     // Until here there was room for the most views. Now it is known how many there are.
     if (report_.averagings == 0) {
-      report_.planned_bytes[static_cast<std::size_t>(Stage::kViews)] =
-          arena_.used() - tree + views_stage_bytes(*views, scan_.cloud.size, tree, settings_.threads);
+      report_.planned_bytes[static_cast<std::size_t>(Stage::kViews)] = arena_.used() + views_stage_bytes(views->views);
     }
     report_.lengths.views_before = {views->before};
     report_.lengths.views_after = {views->after};
     report_.lengths.views_moved = {views->moved};
-    report_.lengths.views_ripple = {views->ripple};
-    if (!(views->moved > 0)) return {};
-    arena_.release_top(before_tree_);
-    return build_tree(progress.part(0.85, 1));
+    return views->moved > 0 ? rebuild_tree(progress.part(0.85, 1)) : Status();
   }
 
   Status find_surface(Measurement measure) {
     const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
     PLUMBLINE_TRY(measure(scan_, *tree_));
-    Cloud& cloud = scan_.cloud;
-    const bool estimated = report_.normals.estimated > cloud.size / 2;
-    SurfaceSettings settings{.normals = estimated ? NormalSource::kPoints : NormalSource::kScanner,
-                             .keep_strays = settings_.keep_all,
-                             .averaged = report_.averagings > 0,
-                             .may_average = may_average(),
-                             .floor = settings_.floor};
-    settings.floor.height -= scan_.offset[2];
-    const auto surface = find_surface_points(cloud, *tree_, settings, arena_, {progress_, Stage::kClustering});
+    FloorChoice floor = settings_.floor;
+    floor.height -= scan_.offset[2];
+    if (sample_room_.empty()) PLUMBLINE_TRY(arena_.take_bottom(sample_room_, proof_points(scan_.cloud.size), "proof"));
+    scan_.sample = sample_room_.first(std::min<std::size_t>(sample_room_.size(), proof_points(scan_.cloud.size)));
+    const auto surface = cluster(floor);
     PLUMBLINE_TRY(surface);
-    blurred_ = surface->blurred;
+    Cloud& cloud = scan_.cloud;
     if (blurred_) {
       if (may_average()) return {};
       cloud.drop_noise();
@@ -227,7 +256,6 @@ class Preparation {
     report_.support_points = cloud.support_points;
     report_.strays = surface->strays;
     report_.flying_points = surface->flying_points;
-    report_.bore_wall_points = surface->bore_walls.points;
     if (surface->floor_points > 0) level(*surface);
     report_.lengths.epsilon = {surface->clustering.epsilon};
     report_.lengths.noise = {surface->clustering.noise};
@@ -235,9 +263,32 @@ class Preparation {
       // As long as noise is wider than the groups, means are as noisy as points: only the last averaging has made it less.
       report_.lengths.averaged_noise = {surface->clustering.noise * static_cast<float>(std::sqrt(of_each_mean_))};
     }
-    report_.lengths.bore_walls = {surface->bore_walls.area};
-    scan_.has_surface = !blurred_ && surface->found();
     return {};
+  }
+
+  /// Keeps the points of the surface, and tells whether there is one.
+  /// @param floor  its height in coordinates of the cloud
+  Expected<SurfacePoints> cluster(const FloorChoice& floor) {
+    const bool estimated = report_.normals.estimated > scan_.cloud.size / 2;
+    const SurfaceSettings settings{.normals = estimated ? NormalSource::kPoints : NormalSource::kScanner,
+                                   .keep_strays = settings_.keep_all,
+                                   .averaged = report_.averagings > 0,
+                                   .may_average = may_average(),
+                                   .floor = floor,
+                                   .sample = scan_.sample};
+    auto surface = find_surface_points(scan_.cloud, *tree_, settings, arena_, {progress_, Stage::kClustering});
+    PLUMBLINE_TRY(surface);
+    scan_.sample = scan_.sample.first(surface->sampled);
+    blurred_ = surface->blurred;
+    scan_.has_surface = !blurred_ && surface->found() && scan_.cloud.spans_area();
+    look_for_volume();
+    return surface;
+  }
+
+  /// Where there is no surface, tells whether the scan's points, before any are averaged, fill a volume.
+  void look_for_volume() {
+    if (!scan_.has_surface && !spread_) spread_ = point_spread(scan_.cloud, *tree_);
+    report_.fills_volume = !scan_.has_surface && spread_->fills_volume();
   }
 
   /// Turns the scan until the floor that was cut off is level.
@@ -261,6 +312,8 @@ class Preparation {
   PreparationReport& report_;
   PreparedScan scan_;
   std::optional<KdTree3> tree_;
+  std::optional<PointSpread> spread_;  ///< see look_for_volume()
+  std::span<Vec3f> sample_room_;       ///< of PreparedScan::sample
   std::size_t before_tree_ = 0;
   bool blurred_ = false;     ///< SurfacePoints::blurred
   double of_each_mean_ = 1;  ///< points, when neighbours were averaged last
@@ -275,9 +328,7 @@ ScanLengths<Millimetre> in_mm(const ScanLengths<ScanUnit>& lengths, ScanScale sc
           .views_before = scale(lengths.views_before),
           .views_after = scale(lengths.views_after),
           .views_moved = scale(lengths.views_moved),
-          .views_ripple = scale(lengths.views_ripple),
-          .averaged_noise = scale(lengths.averaged_noise),
-          .bore_walls = scale(lengths.bore_walls)};
+          .averaged_noise = scale(lengths.averaged_noise)};
 }
 
 Box3d PreparedScan::bounds() const {
@@ -307,7 +358,9 @@ Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena
     PreparedScan prepared;
     prepared.cloud = *cloud;
     prepared.offset = survey.bounds.low;
-    return look(prepared);
+    const auto samples = sample_surface(prepared.cloud, arena);
+    PLUMBLINE_TRY(samples);
+    return look(prepared, *samples);
   };
   const auto of_scan = [&](ScanSources given) {
     return Preparation(given, settings, arena, progress, report).run_normals(look);
@@ -320,15 +373,27 @@ Status check_surface(const PreparedScan& scan, ScanSources sources, const Prepar
   if (scan.cloud.size > 0) {
     PLUMBLINE_TRY(check_no_speck(scan.bounds(), sources, settings, found.scan.header.is_in_mm));
   }
-  const ScanTitle title = title_of(sources);
-  const auto points = static_cast<unsigned long long>(found.scan.points);
   if (found.floor.points > 0 && scan.cloud.size == 0) {
     return telling(Told(ToldCode::kBelowFloor, {{Fact::kFloor, found.floor.height}}),
                    fail(ErrorCode::kNoSurface,
                         "%s: all of the scan is below the floor, at height %.5g.\tUse a lower --floor, or --floor keep",
-                        title.c_str(), found.floor.height));
+                        title_of(sources).c_str(), found.floor.height));
   }
+  return check_has_surface(scan, sources, found, settings);
+}
+
+Status check_has_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
+                         const PlacementSettings& settings) {
   if (scan.has_surface) return {};
+  const ScanTitle title = title_of(sources);
+  const auto points = static_cast<unsigned long long>(found.scan.points);
+  if (found.fills_volume) {
+    return telling(Told(ToldCode::kVolumeFilled, {{Fact::kPoints, points}}),
+                   fail(ErrorCode::kNoSurface,
+                        "%s: its %llu points fill the object, as from CT, and are not on its surface.\tExport its "
+                        "surface, as a mesh or as points",
+                        title.c_str(), points));
+  }
   // Cells that have grown from the first size show that the arena was too small. Else the points lie closer than pixels.
   const bool grown = static_cast<double>(found.lengths.thinning_cell.value) > 1.01 * first_cell(settings);
   if (grown && found.cloud_capacity < points && found.cloud_points < points) {
@@ -352,7 +417,10 @@ void move_to_print(const Placement& placement, PreparedScan& scan, const Prepara
   const double scale = placement.scale;
   const Vec3d shift = scan.offset * scale + placement.shift;
   Cloud& cloud = scan.cloud;
-  for (Vec3f& p : cloud.position.first(cloud.size)) p = (p.cast<double>() * scale + shift).cast<float>();
+  const auto move = [&](Vec3f& p) { p = (p.cast<double>() * scale + shift).cast<float>(); };
+  std::ranges::for_each(cloud.position.first(cloud.size), move);
+  std::ranges::for_each(scan.sample, move);
+  report.sample = scan.sample;
   for (float& r : cloud.radius.first(cloud.size)) r *= static_cast<float>(scale);
   report.placement = placement;
   report.placement.rotation = scan.turned * placement.rotation;

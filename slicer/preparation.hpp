@@ -2,11 +2,13 @@
 /// From the bytes of a scan to the points of its surface: the stages that slice() and inspect() share.
 
 #include <optional>
+#include <span>
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/function_ref.hpp"
+#include "slicer/orientation/surface_samples.hpp"
 #include "slicer/reader/scan_sources.hpp"
 #include "slicer/slice_report.hpp"
 #include "slicer/slice_settings.hpp"
@@ -19,6 +21,7 @@ struct PreparedScan {
   Vec3d offset = Vec3d::Zero();      ///< rotated scan coordinates of the cloud's origin
   Mat3d turned = Mat3d::Identity();  ///< after the rotation asked for: to the best way up, and to a level floor
   std::optional<float> floor;        ///< height of the floor that was cut off, coordinates of the cloud
+  std::span<Vec3f> sample;           ///< points that the R-Rep is to be proven against, at the bottom of the arena
   bool has_surface = false;          ///< false: too few points have neighbours that face the same way
 
   /// Of the object, down to the floor that it stands on; rotated scan coordinates. The cloud is not empty.
@@ -46,15 +49,22 @@ inline constexpr auto kAdmitAll = [](const PreparedScan&) -> Status { return {};
                                              Measurement measure = kNoMeasurement, Admission admit = kAdmitAll);
 
 /// Called when the normals are settled, before the stages that may take minutes.
-using NormalsLook = FunctionRef<Status(const PreparedScan& scan)>;
+/// @param samples  of the scan's surface
+using NormalsLook = FunctionRef<Status(const PreparedScan& scan, const SurfaceSamples& samples)>;
 
-/// The first stages of prepare(): reads a scan and completes its normals.
+/// The first stages of prepare(): reads a scan and completes its normals. Of a scan of few points the surface is found too, which takes
+/// no time and shows whether there is one.
 /// @param report  filled as far as it went, also on error
+/// @retval ErrorCode::kNoSurface  there is none, in the words of check_surface()
 /// @retval all of prepare() and of `look`
 [[nodiscard]] Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                      ProgressSink* progress, PreparationReport& report, NormalsLook look);
 
-/// @retval ErrorCode::kNoSurface  the object is a speck, or the scan has no surface: names the files and what to do
+/// @retval ErrorCode::kNoSurface  the scan has no surface: names the files and what to do
+[[nodiscard]] Status check_has_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
+                                       const PlacementSettings& settings);
+
+/// @retval ErrorCode::kNoSurface  the object is a speck or below the floor; else as check_has_surface()
 [[nodiscard]] Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
                                    const PlacementSettings& settings);
 

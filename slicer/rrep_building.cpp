@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/stage_scope.hpp"
@@ -32,6 +33,9 @@ constexpr std::uint32_t kWidest = 100;
 constexpr float kLayerShare = 1.0F / 50;
 constexpr float kNoiseShare = 1.0F / 10;
 
+/// Of the scan's noise: farther than so many from the surface, hardly a point lies by chance.
+constexpr float kNoiseReach = 4;
+
 /// mm; below it the grid width w is 0 but for rounding: there are too few practical points for one.
 constexpr float kLeastWidth = 1e-4F;
 
@@ -58,11 +62,11 @@ class RayStages {
   Status limit_supports() {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     const ArenaScope scope(arena_);
-    const auto radii = arena_.take_top<float>(std::min(cloud_.seen(), kMedianSample), "support radii");
+    const auto radii = arena_.take_top<float>(std::min(cloud_.size, kMedianSample), "support radii");
     PLUMBLINE_TRY(radii);
     const auto samples = static_cast<std::uint32_t>(radii->size());
     for (std::uint32_t s = 0; s < samples; ++s) {
-      (*radii)[s] = cloud_.radius[static_cast<std::uint32_t>(std::uint64_t{s} * cloud_.seen() / samples)];
+      (*radii)[s] = cloud_.radius[cloud_.sampled(s, samples)];
     }
     const auto widest = radii->begin() + (samples - 1 - samples / kWidest);
     std::nth_element(radii->begin(), widest, radii->end());
@@ -83,7 +87,7 @@ class RayStages {
     const std::uint32_t points = cloud_.size;
     join_points(cloud_, most_ray_points(placed(false), arena_));
     spread_ = std::sqrt(static_cast<float>(points) / static_cast<float>(cloud_.size));
-    return cloud_.give_back(cloud_.size, arena_);
+    return cloud_.give_back(arena_, false);
   }
 
   Status build_winding_tree() {
@@ -110,7 +114,7 @@ class RayStages {
     if (!settings_.confidence) return {};
     auto map = ConfidenceMap::create(grid(), cloud_.bounds(), epsilon_mm(), arena_);
     PLUMBLINE_TRY(map);
-    for (const Vec3f& p : cloud_.position.first(cloud_.seen())) map->add_point(p);
+    for (const Vec3f& p : cloud_.positions()) map->add_point(p);
     report_.confidence = *map;
     return {};
   }
@@ -211,6 +215,7 @@ Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, 
     ComponentLimits limits = component_limits(report.lengths.epsilon, report.placement.grid);
     limits.drop_floating = !settings.keep_all;
     report.components = drop_small_components(store, limits, arena);
+    report.proof = prove(store, std::exchange(report.sample, {}), kNoiseReach * report.lengths.noise.value);
   }
   auto rrep = CrossingStore::sort(store, arena);
   PLUMBLINE_TRY(rrep);
@@ -221,6 +226,12 @@ Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, 
     drop_features(*rrep, arena, report);
   }
   PLUMBLINE_TRY(trim(*rrep, arena, report));
+  const PrintGrid& grid = rrep->grid;
+  report.extent = extent_of(*rrep);
+  report.printed_mm = {(report.extent.right - report.extent.left) * static_cast<double>(grid.pitch_x_mm),
+                       (report.extent.bottom - report.extent.top) * static_cast<double>(grid.pitch_y_mm),
+                       grid.layers * static_cast<double>(grid.layer_height_mm)};
+  if (!settings.placement.fit) report.asked_size = settings.placement.size;
   return rrep;
 }
 

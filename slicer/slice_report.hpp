@@ -17,9 +17,11 @@
 #include "slicer/reader/scan_sources.hpp"
 #include "slicer/rrep/components.hpp"
 #include "slicer/rrep/confidence.hpp"
+#include "slicer/rrep/mask_extent.hpp"
+#include "slicer/rrep/point_proof.hpp"
 #include "slicer/surface/clustering.hpp"
 #include "slicer/surface/stray_pieces.hpp"
-#include "slicer/views/align_views.hpp"
+#include "slicer/views/registration.hpp"
 
 namespace plumbline {
 
@@ -29,12 +31,10 @@ struct ScanLengths {
   Length<Unit> thinning_cell;   ///< side of a cell; 0: nothing was averaged
   Length<Unit> epsilon;         ///< ClusteringResult::epsilon
   Length<Unit> noise;           ///< ClusteringResult::noise
-  Length<Unit> views_before;    ///< ViewAlignment::before
-  Length<Unit> views_after;     ///< ViewAlignment::after
-  Length<Unit> views_moved;     ///< ViewAlignment::moved
-  Length<Unit> views_ripple;    ///< ViewAlignment::ripple
+  Length<Unit> views_before;    ///< Registration::before
+  Length<Unit> views_after;     ///< Registration::after
+  Length<Unit> views_moved;     ///< Registration::moved
   Length<Unit> averaged_noise;  ///< of the scan's points, about, if neighbours were averaged; else 0
-  Area<Unit> bore_walls;        ///< BoreWalls::area
 };
 ScanLengths<Millimetre> in_mm(const ScanLengths<ScanUnit>& lengths, ScanScale scale);
 
@@ -46,6 +46,12 @@ struct FloorCut {
   float tilt = 0;              ///< sine of its angle to the horizontal, by which the scan was levelled
 };
 
+/// The views that the scan's files state.
+struct StatedViews {
+  std::uint32_t count = 0;     ///< with points; at most kMaxViews
+  std::uint32_t scanners = 0;  ///< of these, those whose scanner can have stood where the file says
+};
+
 /// What prepare() found, apart from lengths.
 struct PreparationCounts {
   ScanSummary scan;                    ///< of all files: sum_of()
@@ -55,17 +61,19 @@ struct PreparationCounts {
   std::uint32_t cloud_capacity = 0;    ///< points the arena has room for
   std::uint32_t cloud_points = 0;      ///< points after thinning
   std::uint64_t averaged_points = 0;   ///< scan points that were averaged into another
+  bool fills_volume = false;           ///< no surface was found because the points fill a volume
+  StatedViews stated_views;
   NormalCounts normals;
   std::uint32_t averagings = 0;  ///< times that neighbours were averaged because no surface was found
-  ViewCounts views;
   ClusteringCounts clustering;
   float support_points = 0;            ///< Cloud::support_points of the surface
   std::optional<Orientation> turned;   ///< the way that SliceSettings::orient has turned the scan
   std::optional<Orientation> upright;  ///< the scan plainly lies wrong, and this way up is better
   FloorCut floor;
+  std::uint32_t outliers = 0;                               ///< left out before normals were made
+  std::uint32_t evened_points = 0;                          ///< averaged into others along the lines that they lie in
   std::uint32_t flying_points = 0;                          ///< left out before the object was placed
   StrayPieces strays;                                       ///< left out before the object was placed
-  std::uint32_t bore_wall_points = 0;                       ///< added where walls of bores were continued
   std::array<std::size_t, kStageCount> planned_bytes = {};  ///< of the arena, by Stage
   std::array<std::size_t, kStageCount> peak_bytes = {};     ///< of the arena, by Stage
 };
@@ -83,12 +91,19 @@ struct SliceReport : PreparationCounts {
   bool flat_underside = false;    ///< it stands on the base plane
   float width_mm = 0;             ///< w of thesis III-2.c
   RayCounts rays;
+  PointProof proof;
   ComponentCounts components;
   FeatureCounts features;
   std::optional<std::uint64_t>
       object_pixels;  ///< of all masks without supports, if they follow from what was counted anyway
   std::uint64_t crossings = 0;
-  ConfidenceMap confidence;  ///< in the arena below the R-Rep and valid as long as it is; empty unless asked for
+  std::optional<PrintSize> asked_size;
+  Vec3d printed_mm =
+      Vec3d::Zero();  ///< what the masks show of the object, without supports; the scan's noise may reach beyond it
+  std::uint32_t sunk_layers = 0;  ///< cut off below, so that it stands flat
+  std::span<const Vec3f> sample;  ///< PreparedScan::sample, print coordinates; empty once the R-Rep is proven
+  MaskExtent extent;              ///< of the object
+  ConfidenceMap confidence;       ///< in the arena below the R-Rep and valid as long as it is; empty unless asked for
 };
 
 }  // namespace plumbline

@@ -13,7 +13,8 @@ constexpr double kFewestPixels = 8;
 Status check_units(ScanSources sources, Units units, bool some_in_mm, bool some_in_any_unit) {
   if (!some_in_mm || !some_in_any_unit || units == Units::kAuto || units == Units::kMillimetres) return {};
   return fail(ErrorCode::kBadSetting,
-              "%s: the E57 and 3MF files are in mm once they are read, the others would be in %s.\tExport all files as "
+              "%s: the E57 and 3MF files are in mm once they are read, as tables that name a unit, the others would be "
+              "in %s.\tExport all files as "
               "one of these, or the others in mm, and leave out the units",
               title_of(sources).c_str(), to_string(units));
 }
@@ -24,7 +25,12 @@ Status check_units(ScanSources sources, Units units, PreparationCounts& report) 
   const bool all =
       std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; });
   PLUMBLINE_TRY(check_units(sources, units, true, !all));
-  if (units == Units::kCentimetres || units == Units::kInches) report.ignored_units = units;
+  // An E57 is in metres, so whoever asks for these means the same; a table may be in any unit.
+  const bool has_table = std::any_of(scans.begin(), scans.end(),
+                                     [](const ScanSummary& scan) { return scan.header.format == ScanFormat::kXyz; });
+  if (units == Units::kCentimetres || units == Units::kInches || (units == Units::kMetres && has_table)) {
+    report.ignored_units = units;
+  }
   return {};
 }
 

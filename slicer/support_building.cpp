@@ -27,6 +27,8 @@ Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings, con
     report.confidence.trim(counts.sunk, 0);
     report.placement.shift[2] -= counts.sunk * layer_height;
     report.placement.size_mm[2] -= counts.sunk * layer_height;
+    report.printed_mm[2] -= counts.sunk * layer_height;
+    report.sunk_layers = counts.sunk;
   }
   if (report.object_pixels && counts.lost_pixels) {
     *report.object_pixels -= *counts.lost_pixels;
@@ -39,6 +41,12 @@ Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings, con
   }
   report.placement.grid.layers = rrep.grid.layers;
   return supports;
+}
+
+AddedSupports added_supports(const SupportCounts& counts, const SliceReport& report) {
+  return {.drawn = counts.all() > 0 || counts.pads > 0,
+          .raft_layers = counts.lifted,
+          .object_clear = report.extent.keeps_off_edge(report.placement.grid, kEdgeMargin)};
 }
 
 PlacementRoom support_room(const SupportSettings& settings) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Adds supports to a sliced scan.
 
+#include "slicer/checks/what_matters.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/placement/placement.hpp"
@@ -17,6 +18,9 @@ namespace plumbline {
 [[nodiscard]] Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings,
                                               const PlacementSettings& placement, Arena& arena, ProgressSink* progress,
                                               SliceReport& report, SupportCounts& counts);
+
+/// What of a print's findings these supports may cause: for find_what_matters().
+AddedSupports added_supports(const SupportCounts& counts, const SliceReport& report);
 
 /// Room that supports need round the object: heads, bases and raft beside it, and the lift below.
 PlacementRoom support_room(const SupportSettings& settings);

@@ -11,6 +11,7 @@
 #include "firmware/io/scan_names.hpp"
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/pictures/reduced_picture.hpp"
+#include "firmware/told/printer_code.hpp"
 #include "slicer/core/byte_source.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/words/printable_text.hpp"
@@ -21,13 +22,14 @@
 namespace plumbline {
 namespace {
 
-/// More than any slicer's settings have.
-constexpr std::size_t kMostSettingsBytes = 65536;
+/// More than any slicer's settings have: G-code and .uvj have some lines for each layer.
+constexpr std::size_t kMostSettingsBytes = std::size_t{64} << 20U;
 
-Status decode(ZipReader& zip, const ArchiveLayer& layer, const MaskTurn& turn, BitImage out) {
+Status decode(ZipReader& zip, const ArchiveLayer& layer, const MaskTurn& turn, BitImage out,
+              GreyShare* grey = nullptr) {
   PLUMBLINE_TRY(zip.open_entry(layer.place));
   const auto bytes = [&zip](std::span<std::byte> buffer) { return zip.read(buffer); };
-  auto done = decode_turned_mask(bytes, most_mask_bytes(out.columns(), out.rows()), turn, out);
+  auto done = decode_turned_mask(bytes, most_mask_bytes(out.columns(), out.rows()), turn, out, grey);
   if (done || done.error().code() == ErrorCode::kCannotRead) return done;
   FixedText<300> where;
   where.add("%s: layer %llu", zip.name().c_str(), static_cast<unsigned long long>(layer.number));
@@ -101,19 +103,22 @@ Expected<LayerArchive> LayerArchive::open(std::span<const std::byte> file, std::
 Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
   PLUMBLINE_TRY(zip);
   LayerArchive archive(std::move(*zip));
-  std::optional<ZipPlace> first, config, prusaslicer;
+  std::optional<ZipPlace> first;
+  std::array<std::optional<ZipPlace>, kSettingsFiles> settings;
+  FixedText<64> inner;  // an archive in the archive
   bool has_model = false;
   std::uint64_t least = 0;
   PLUMBLINE_TRY(archive.zip_.for_each([&](std::string_view entry, const ZipPlace& place) -> Status {
     has_model = has_model || same_word(entry, "3D/3dmodel.model");
+    const auto name = file_of_entry(entry);
+    if (inner.view().empty() && is_archive_name(name)) inner.add("%s", PrintableText(name).c_str());
     // Whoever packs a folder packs its name, too.
-    for (auto [file, found] : {std::pair("config.ini", &config), std::pair("prusaslicer.ini", &prusaslicer)}) {
-      if (!same_word(file_of_entry(entry), file)) continue;
-      if (*found) {
+    if (const auto file = settings_file(entry)) {
+      if (settings[*file]) {
         return fail(ErrorCode::kMalformed, "%s: has two files %s.\tPack one print into one archive",
-                    archive.zip_.name().c_str(), file);
+                    archive.zip_.name().c_str(), PrintableText(name).c_str());
       }
-      *found = place;
+      settings[*file] = place;
     }
     if (is_thumbnail(entry) && archive.thumbnail_count_ < kMostThumbnails) {
       archive.thumbnails_[archive.thumbnail_count_++] = place;
@@ -133,6 +138,11 @@ Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
         Error::format(ErrorCode::kNoPoints, "%s: is a mesh, no sliced print.\tGive it the ending .3mf", named.c_str())
             .tell({ToldCode::kNotSliced, {}, named.c_str()}));
   }
+  if (archive.layers_ == 0 && !inner.view().empty()) {
+    return telling(Told(PrinterCode::kArchiveInside, {}, inner.view()),
+                   fail(ErrorCode::kNoPoints, "%s: holds %s.\tUnpack it, and print that", archive.zip_.name().c_str(),
+                        inner.c_str()));
+  }
   if (archive.layers_ == 0 || archive.layers_ > PrintGrid::kMaxLayers) {
     return fail(
         ErrorCode::kNoPoints,
@@ -140,18 +150,21 @@ Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
         "unpack a scan or mesh to print it",
         archive.zip_.name().c_str(), archive.layers_, PrintGrid::kMaxLayers);
   }
-  // Where both have a key, the value of the first one counts.
-  if (prusaslicer) PLUMBLINE_TRY(archive.read_settings(*prusaslicer, "prusaslicer.ini"));
-  if (config) PLUMBLINE_TRY(archive.read_settings(*config, "config.ini"));
-  if (archive.layers_ < archive.settings_.layers.value_or(0)) {
-    return fail(ErrorCode::kTruncated,
-                "%s: has %u of the %u layers that its config.ini declares.\tCopy or export it again",
-                archive.zip_.name().c_str(), archive.layers_, *archive.settings_.layers);
+  for (std::size_t file = 0; file < kSettingsFiles; ++file) {
+    if (settings[file]) PLUMBLINE_TRY(archive.read_settings(*settings[file], file));
   }
-  if (prusaslicer) {
-    // As PrusaSlicer draws them: RasterBase.hpp, Trafo. Its first row has the largest y, and portrait mirrors x.
-    const Sl1Settings& s = archive.settings_;
-    archive.turn_ = {s.portrait ? !s.mirror_x : s.mirror_x, !s.mirror_y, s.portrait};
+  if (const auto done = archive.settings_.complete(); !done) {
+    return tl::unexpected<Error>(done.error().with_prefix(archive.zip_.name()));
+  }
+  const ArchiveSettings& said = archive.settings_;
+  if (const auto declared = said.layers(); declared && *declared != archive.layers_) {
+    return telling(Told(PrinterCode::kArchiveCount, {{Fact::kLayers, archive.layers_}, {Fact::kOf, *declared}}),
+                   fail(ErrorCode::kTruncated, "%s: declares %u layers, has %u.\tCopy or export it again",
+                        archive.zip_.name().c_str(), *declared, archive.layers_));
+  }
+  // As PrusaSlicer draws them: RasterBase.hpp, Trafo. Its first row has the largest y, and portrait mirrors x.
+  if (said.turns) {
+    archive.turn_ = {said.portrait() != said.mirrors_x(), !said.mirrors_y(), said.portrait()};
   }
   const auto size = archive.read_size(*first, "the first layer");
   PLUMBLINE_TRY(size);
@@ -160,23 +173,22 @@ Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
   return archive;
 }
 
-Status LayerArchive::read_settings(const ZipPlace& place, const char* name) {
+Status LayerArchive::read_settings(const ZipPlace& place, std::size_t file) {
   PLUMBLINE_TRY(zip_.open_entry(place));
-  std::string text(kMostSettingsBytes, '\0');
-  std::size_t filled = 0;
-  while (filled < text.size()) {
-    const auto got = zip_.read(std::as_writable_bytes(std::span(text).subspan(filled)));
+  SettingsReader reader(file, settings_);
+  std::array<std::byte, 4096> block;
+  for (std::size_t read = 0;;) {
+    const auto got = zip_.read(block);
     PLUMBLINE_TRY(got);
-    if (*got == 0) break;
-    filled += *got;
+    const auto taken = *got > 0 ? reader.feed(std::span(block).first(*got)) : reader.finish();
+    if (!taken) return tl::unexpected<Error>(taken.error().with_prefix(zip_.name() + ": " + settings_file_name(file)));
+    if (*got == 0) return {};
+    read += *got;
+    if (read > kMostSettingsBytes) {
+      return fail(ErrorCode::kUnsupported, "%s: its settings have more than %zu MiB.\tExport it again",
+                  zip_.name().c_str(), kMostSettingsBytes >> 20U);
+    }
   }
-  if (filled == text.size()) {
-    return fail(ErrorCode::kUnsupported, "%s: %s has more than %zu KiB.\tExport it again", zip_.name().c_str(), name,
-                kMostSettingsBytes / 1024);
-  }
-  const auto read = read_sl1_settings(std::string_view(text).substr(0, filled), settings_);
-  if (read) return {};
-  return tl::unexpected<Error>(read.error().with_prefix(zip_.name() + ": " + name));
 }
 
 Expected<PngSize> LayerArchive::read_size(const ZipPlace& place, const char* what) {
@@ -213,7 +225,16 @@ Status LayerArchive::list(std::span<ArchiveLayer> out) {
       count, [&](std::size_t i) { return listed[i].number; }, zip_.name().c_str());
 }
 
-Status LayerArchive::read(const ArchiveLayer& layer, BitImage out) { return decode(zip_, layer, turn_, out); }
+Status LayerArchive::read(const ArchiveLayer& layer, BitImage out, GreyShare* grey) {
+  return decode(zip_, layer, turn_, out, grey);
+}
+
+void LayerArchive::turn_for(std::uint32_t columns, std::uint32_t rows) {
+  if (columns == rows || columns != rows_ || rows != columns_) return;
+  turned_ = !turned_;
+  turn_ = turn_.quarter();
+  std::swap(columns_, rows_);
+}
 
 Expected<bool> LayerArchive::draw_thumbnail(std::span<std::uint8_t> rgb, const PngSize& wanted) {
   std::optional<ZipPlace> best;

@@ -1,5 +1,5 @@
 #pragma once
-/// The layers in an archive of a sliced print: .sl1, .sl1s, or a zip of numbered PNG files.
+/// The layers in an archive of a sliced print: .sl1, .sl1s, .cws, .uvj, .nanodlp, or a zip of numbered PNG files.
 
 #include <array>
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/archive/sl1_settings.hpp"
+#include "firmware/archive/archive_settings.hpp"
 #include "firmware/archive/zip_reader.hpp"
 #include "firmware/pictures/mask_decoder.hpp"
 #include "firmware/pictures/png_writer.hpp"
@@ -16,7 +16,7 @@
 
 namespace plumbline {
 
-/// Whether a name is that of an archive of a sliced print: .sl1, .sl1s, .zip, in any case.
+/// Whether a name ends as that of an archive of a sliced print does (kArchiveEndings), in any case.
 bool is_archive_name(std::string_view name);
 
 /// A layer of an archive. Stored byte for byte.
@@ -33,8 +33,9 @@ class LayerArchive {
   /// @param file  see ZipReader::open()
   /// @retval any error of ZipReader
   /// @retval ErrorCode::kNoPoints    no layer, or more than PrintGrid::kMaxLayers
-  /// @retval ErrorCode::kTruncated   fewer layers than its settings declare
-  /// @retval ErrorCode::kMalformed   settings that read_sl1_settings() refuses, or a first layer that is no PNG
+  /// @retval ErrorCode::kTruncated    another number of layers than its settings declare
+  /// @retval ErrorCode::kMalformed    settings that SettingsReader refuses, or a first layer that is no PNG
+  /// @retval ErrorCode::kUnsupported  a print that ArchiveSettings::complete() refuses
   [[nodiscard]] static Expected<LayerArchive> open(int file, std::string_view name);
   /// The same for a file in memory, which must outlive the archive.
   [[nodiscard]] static Expected<LayerArchive> open(std::span<const std::byte> file, std::string_view name);
@@ -42,16 +43,20 @@ class LayerArchive {
   std::uint32_t layers() const { return layers_; }
   std::uint32_t columns() const { return columns_; }  ///< pixels along x of the plate
   std::uint32_t rows() const { return rows_; }        ///< along y
-  const Sl1Settings& settings() const { return settings_; }
+  const ArchiveSettings& settings() const { return settings_; }
   const MaskTurn& turn() const { return turn_; }
+  /// Turns the masks by 90 degrees if a panel has as many rows as they have columns, and the other way round.
+  void turn_for(std::uint32_t columns, std::uint32_t rows);
+  bool is_turned() const { return turned_; }  ///< by turn_for()
 
   /// @param out  layers() of them, lowest first
   /// @retval ErrorCode::kMalformed  two layers have one number, or a number is missing
   [[nodiscard]] Status list(std::span<ArchiveLayer> out);
 
-  /// @param out  columns() x rows(), row 0 with the smallest y
+  /// @param out   columns() x rows(), row 0 with the smallest y
+  /// @param grey  may be null; see decode_turned_mask()
   /// @retval any error of decode_turned_mask(), with the names of the archive and the layer
-  [[nodiscard]] Status read(const ArchiveLayer& layer, BitImage out);
+  [[nodiscard]] Status read(const ArchiveLayer& layer, BitImage out, GreyShare* grey = nullptr);
 
   /// Draws the thumbnail or preview that the archive's slicer has put in: of those that are as large as `wanted`, the smallest, else the
   /// largest. Looks at the first kMostThumbnails.
@@ -64,12 +69,13 @@ class LayerArchive {
  private:
   explicit LayerArchive(ZipReader zip) : zip_(std::move(zip)) {}
   [[nodiscard]] static Expected<LayerArchive> open(Expected<ZipReader> zip);
-  [[nodiscard]] Status read_settings(const ZipPlace& place, const char* name);
+  [[nodiscard]] Status read_settings(const ZipPlace& place, std::size_t file);
   [[nodiscard]] Expected<PngSize> read_size(const ZipPlace& place, const char* what);
 
   ZipReader zip_;
-  Sl1Settings settings_;
+  ArchiveSettings settings_;
   MaskTurn turn_;
+  bool turned_ = false;
   std::uint32_t layers_ = 0, columns_ = 0, rows_ = 0;
   std::array<ZipPlace, kMostThumbnails> thumbnails_{};
   std::size_t thumbnail_count_ = 0;

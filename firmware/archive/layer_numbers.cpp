@@ -38,7 +38,9 @@ std::string_view file_of_entry(std::string_view name) {
 }
 
 bool is_thumbnail(std::string_view name) {
-  return is_picture(name) && (holds(name, "thumbnail") || holds(name, "preview"));
+  // 3d.png: NanoDLP's
+  return is_picture(name) &&
+         (holds(name, "thumbnail") || holds(name, "preview") || same_word(file_of_entry(name), "3d.png"));
 }
 
 std::optional<std::uint64_t> number_of_layer(std::string_view name) {

@@ -60,6 +60,7 @@ tl::unexpected<Error> ZipReader::too_many() const {
 
 Status ZipReader::for_each(FunctionRef<Status(std::string_view, const ZipPlace&)> visit) {
   int code = ::unzGoToFirstFile(zip_);
+  unz64_file_pos next = {};
   while (code == UNZ_OK) {
     std::array<char, 256> name = {};
     unz_file_info64 facts = {};
@@ -67,12 +68,21 @@ Status ZipReader::for_each(FunctionRef<Status(std::string_view, const ZipPlace&)
     code = ::unzGetCurrentFileInfo64(zip_, &facts, name.data(), name.size() - 1, nullptr, 0, nullptr, 0);
     if (code == UNZ_OK) code = ::unzGetFilePos64(zip_, &place);
     if (code != UNZ_OK) return broken(code);
+    constexpr std::uint64_t kRecord = 46;  // the directory's entry, without its texts
+    next.pos_in_zip_directory =
+        place.pos_in_zip_directory + kRecord + facts.size_filename + facts.size_file_extra + facts.size_file_comment;
+    next.num_of_file = place.num_of_file + 1;
     // Where its end claims 65,535 entries, minizip takes whatever follows for another.
     if (place.num_of_file >= kMostEntries) return too_many();
     PLUMBLINE_TRY(visit(name.data(), ZipPlace{place.pos_in_zip_directory, place.num_of_file}));
     code = ::unzGoToNextFile(zip_);
   }
-  return code == UNZ_END_OF_LIST_OF_FILE ? Status() : Status(broken(code));
+  if (code != UNZ_END_OF_LIST_OF_FILE) return broken(code);
+  // minizip counts to what the end claims. A print would end at the layer that follows.
+  if (next.num_of_file == 0 || ::unzGoToFilePos64(zip_, &next) != UNZ_OK) return {};
+  return fail(ErrorCode::kMalformed,
+              "%s: holds more files than the %llu that its end declares.\tCopy or export it again", name_.c_str(),
+              static_cast<unsigned long long>(next.num_of_file));
 }
 
 Status ZipReader::open_entry(const ZipPlace& place) {

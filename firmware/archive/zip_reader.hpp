@@ -39,7 +39,8 @@ class ZipReader {
 
   /// Calls visit(name, place) for each entry, folders included, in the directory's order. Cuts names to 255 bytes.
   /// @retval ErrorCode::kUnsupported  more than kMostEntries, though fewer were claimed
-  /// @retval ErrorCode::kMalformed, kCannotRead, and any error of `visit`
+  /// @retval ErrorCode::kMalformed    the directory goes on behind the entries that were claimed
+  /// @retval ErrorCode::kCannotRead, and any error of `visit`
   [[nodiscard]] Status for_each(FunctionRef<Status(std::string_view, const ZipPlace&)> visit);
 
   /// Opens an entry for read(), and closes the one before it.

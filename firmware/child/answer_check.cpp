@@ -73,6 +73,7 @@ bool are_findings(const StackFindings& findings, const PrintGrid& grid) {
   for (std::size_t i = 0; i < kIssueKindCount; ++i) {
     const IssueGroup& group = findings.groups[i];
     if (group.kept_count > IssueGroup::kKept || group.kept_count > group.count) return false;
+    if (group.minor > group.count) return false;
     if ((group.kept_count == 0) != (group.count == 0)) return false;
     if (group.pixels > voxels || group.voxels > voxels) return false;
     for (const Issue& issue : group.all_kept()) {
@@ -85,6 +86,12 @@ bool are_findings(const StackFindings& findings, const PrintGrid& grid) {
     }
   }
   return true;
+}
+
+bool is_proof(const PointProof& proof) {
+  return proof.points <= kMostProofPoints &&
+         std::max({proof.within_pixel, proof.within_layer, proof.off}) <= proof.points && proof.reach_mm >= 0 &&
+         proof.reach_mm <= 1e6F;
 }
 
 }  // namespace
@@ -133,6 +140,8 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
   if (!are_findings(answer.findings, grid)) return wrong("findings");
   sliced.scan_hash = answer.scan_hash;
   sliced.findings = answer.findings;
+  if (!is_proof(answer.proof)) return wrong("proof");
+  sliced.proof = answer.proof;
 
   if (answer.remarks > ScanAnswer::kMostRemarks) return wrong("remarks");
   for (std::size_t i = 0; i < answer.remarks; ++i) {
@@ -162,18 +171,17 @@ Expected<SlicedArchive> check_archive_answer(const ScanAnswer& answer, const Sca
   if (!are_findings(answer.findings, sliced.grid)) return wrong("findings");
   sliced.findings = answer.findings;
   sliced.turn = {answer.turn[0] != 0, answer.turn[1] != 0, answer.turn[2] != 0};
+  sliced.turned = answer.turned != 0;
+  const std::uint64_t voxels = std::uint64_t{sliced.grid.columns} * sliced.grid.rows * sliced.grid.layers;
+  sliced.grey = {answer.grey[0], answer.grey[1], answer.grey[2]};
+  const GreyShare& grey = sliced.grey;
+  if (grey.lit > voxels || grey.grey > grey.lit || grey.lost > grey.grey) return wrong("grey");
   sliced.extent = {answer.extent[0], answer.extent[1], answer.extent[2], answer.extent[3]};
   const MaskExtent& extent = sliced.extent;
   const bool inside = extent.right <= sliced.grid.columns && extent.bottom <= sliced.grid.rows &&
                       (extent.empty() || extent.top < extent.bottom);
   if (!inside) return wrong("extent");
-  for (const double exposure : {answer.exposure_s, answer.initial_exposure_s}) {
-    if (exposure != 0 && !is_within(exposure, 0.1, 1000)) return wrong("exposure");
-  }
-  if (answer.faded_layers > 1000) return wrong("faded layers");
-  if (answer.exposure_s > 0) sliced.settings.exposure_s = answer.exposure_s;
-  if (answer.initial_exposure_s > 0) sliced.settings.initial_exposure_s = answer.initial_exposure_s;
-  if (answer.fades != 0) sliced.settings.faded_layers = answer.faded_layers;
+  if (const PrintField* const field = receive(answer.values, sliced.settings.values)) return wrong(field->name.data());
   return sliced;
 }
 

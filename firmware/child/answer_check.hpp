@@ -15,7 +15,7 @@ namespace plumbline {
 
 struct CheckedAnswer {
   SlicedScan sliced;
-  std::array<FixedText<256>, ScanAnswer::kMostRemarks> remark;
+  std::array<Sentence, ScanAnswer::kMostRemarks> remark;
   std::array<Told, ScanAnswer::kMostRemarks> remark_told;
   std::size_t remarks = 0;
 };

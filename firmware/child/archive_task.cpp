@@ -48,13 +48,12 @@ Status check(SharedMemory& memory) {
   answer.findings = sliced->findings;
   const MaskTurn& turn = sliced->turn;
   answer.turn = {turn.mirror_x ? 1U : 0U, turn.mirror_y ? 1U : 0U, turn.swaps ? 1U : 0U};
+  answer.turned = sliced->turned ? 1 : 0;
+  answer.grey = {sliced->grey.lit, sliced->grey.grey, sliced->grey.lost};
   const MaskExtent& extent = sliced->extent;
   answer.extent = {extent.left, extent.right, extent.top, extent.bottom};
   answer.layer_height_mm = static_cast<double>(sliced->grid.layer_height_mm);
-  answer.exposure_s = sliced->settings.exposure_s.value_or(0);
-  answer.initial_exposure_s = sliced->settings.initial_exposure_s.value_or(0);
-  answer.fades = sliced->settings.faded_layers ? 1 : 0;
-  answer.faded_layers = sliced->settings.faded_layers.value_or(0);
+  answer.values = pass(sliced->settings.values);
   answer.kind = ScanAnswer::kArchive;
   // If the arena has no room for them, the job has no pictures.
   if (!sliced->rrep.first.empty()) {

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "firmware/child/answer_check.hpp"
+#include "firmware/io/interrupt.hpp"
 
 namespace plumbline {
 
@@ -21,10 +22,19 @@ Status ChildLayerDecoder::prepare(const PrintGrid& grid, Arena& arena) {
 
 Status ChildLayerDecoder::decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
                                  BitImage out) {
+  using HostClock = std::chrono::steady_clock;
   PLUMBLINE_TRY(begin(file, name, layer, turn));
-  const auto done = finish(kPatience, out);
-  PLUMBLINE_TRY(done);
-  return *done ? Status() : Status(tl::unexpected<Error>(give_up()));
+  auto until = HostClock::now() + patience_.layer;
+  for (bool asked_to_end = false; HostClock::now() < until;) {
+    const auto done = finish(std::chrono::milliseconds(100), out);
+    PLUMBLINE_TRY(done);
+    if (*done) return {};
+    if (!asked_to_end && interrupted()) {
+      asked_to_end = true;
+      until = std::min(until, HostClock::now() + patience_.last);
+    }
+  }
+  return tl::unexpected<Error>(give_up());
 }
 
 Status ChildLayerDecoder::begin(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn) {
@@ -54,9 +64,9 @@ Expected<bool> ChildLayerDecoder::finish(std::chrono::milliseconds patience, Bit
 }
 
 Error ChildLayerDecoder::give_up() {
-  child_.kill();
+  child_.kill(patience_.end);
   for (;;) {
-    const auto ended = child_.wait(kPatience);
+    const auto ended = child_.wait(patience_.end);
     if (!ended) return ended.error();
     if (*ended) return broke("made no progress");
   }

@@ -10,14 +10,24 @@
 
 namespace plumbline {
 
+/// How long a layer may take.
+struct LayerPatience {
+  /// A layer of the largest panel takes a Cortex-A53 a second or two. A child that takes this long is killed.
+  std::chrono::milliseconds layer = std::chrono::seconds(30);
+  /// The same once the system has asked this program to end.
+  std::chrono::milliseconds last = std::chrono::seconds(3);
+  /// For a killed child to end: its archive is on the printer's own storage.
+  std::chrono::milliseconds end = std::chrono::seconds(5);
+};
+
 class ChildLayerDecoder final : public LayerDecoder {
  public:
-  /// A layer of the largest panel takes a Cortex-A53 a second or two. A child that takes this long is killed.
-  static constexpr std::chrono::seconds kPatience{30};
-
   /// @param child    must outlive this
   /// @param printer  whose panel the masks are for
-  ChildLayerDecoder(SlicingChild& child, const PrinterVolume& printer) : child_(child), printer_(printer) {}
+  ChildLayerDecoder(SlicingChild& child, const PrinterVolume& printer, const LayerPatience& patience = {})
+      : child_(child), printer_(printer), patience_(patience) {}
+
+  const LayerPatience& patience() const { return patience_; }
 
   /// Takes a mask and up to two pages from the top of the arena that the child shares.
   Status prepare(const PrintGrid& grid, Arena& arena) override;
@@ -36,7 +46,7 @@ class ChildLayerDecoder final : public LayerDecoder {
   /// @returns whether it is; false: the child still works
   /// @retval as decode(); the child has ended then, unless no child can be started any more
   [[nodiscard]] Expected<bool> finish(std::chrono::milliseconds patience, BitImage out);
-  /// Kills the child and waits for its end.
+  /// Kills the child and waits for its end, or for the template's if that does not report it.
   /// @returns the error of a layer that took too long
   /// @retval ErrorCode::kDeviceTimeout  no child can be started any more
   Error give_up();
@@ -46,6 +56,7 @@ class ChildLayerDecoder final : public LayerDecoder {
 
   SlicingChild& child_;
   PrinterVolume printer_;
+  LayerPatience patience_;
   std::span<std::byte> mask_;  ///< on a page
   FixedText<256> name_;        ///< of the archive whose layer is decoded
   std::uint64_t number_ = 0;   ///< of that layer

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/settings/print_fields.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
@@ -27,6 +28,7 @@ struct JobAnswer {
   double scale = 1;
   std::array<double, 3> rotate_deg{};
   double layer_height = 0;
+  PassedValues values;
 };
 
 }  // namespace plumbline

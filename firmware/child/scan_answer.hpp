@@ -6,9 +6,12 @@
 #include <cstdint>
 
 #include "firmware/child/job_answer.hpp"
+#include "firmware/io/text/fixed_text.hpp"
+#include "firmware/settings/print_fields.hpp"
 #include "firmware/slice/orientation_proposals.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/rrep/point_proof.hpp"
 
 namespace plumbline {
 
@@ -42,21 +45,23 @@ struct ScanAnswer {
   std::uint64_t supports_at = 0;  ///< Supports::list
   std::uint64_t scan_hash = 0;
   StackFindings findings;
+  PointProof proof;
   std::uint32_t remarks = 0;
-  std::array<std::array<char, 256>, kMostRemarks> remark{};  ///< for_each_remark()
-  std::array<Told, kMostRemarks> remark_told{};              ///< what each of them says
+  std::array<std::array<char, kLongestSentence>, kMostRemarks> remark{};  ///< for_each_remark()
+  std::array<Told, kMostRemarks> remark_told{};                           ///< what each of them says
 
   JobAnswer job;  ///< kJob
 
   Proposals proposals{};  ///< kProposals
 
-  // kArchive: a SlicedArchive. Of the above it has layers, bottom_used and findings. A number that it doesn't give is 0.
+  // kArchive: a SlicedArchive. Of the above it has layers, bottom_used and findings.
   std::uint64_t archive_at = 0;           ///< SlicedArchive::layers
   std::array<std::uint32_t, 3> turn{};    ///< MaskTurn, in its order
+  std::uint32_t turned = 0;               ///< any other number than 0 is true
   std::array<std::uint32_t, 4> extent{};  ///< MaskExtent, in its order
-  double layer_height_mm = 0, exposure_s = 0, initial_exposure_s = 0;
-  std::uint32_t fades = 0;  ///< 1: the next one is given
-  std::uint32_t faded_layers = 0;
+  std::array<std::uint64_t, 3> grey{};    ///< GreyShare, in its order
+  double layer_height_mm = 0;             ///< of the grid
+  PassedValues values;                    ///< what the archive says
 };
 
 }  // namespace plumbline

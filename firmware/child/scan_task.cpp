@@ -37,6 +37,7 @@ void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena&
   }
   answer.scan_hash = sliced.scan_hash;
   answer.findings = sliced.findings;
+  answer.proof = sliced.proof;
   for_each_remark(report, [&answer](const Told& told, std::string_view text) {
     if (answer.remarks == ScanAnswer::kMostRemarks) return;
     answer.remark_told[answer.remarks] = told;
@@ -53,21 +54,20 @@ Status propose(std::span<ByteSource* const> sources, const SliceSettings& asked,
   settings.orient = false;
   settings.placement.rotation_degrees = Vec3d::Zero();
   PreparationReport report;
-  return prepare_normals(sources, settings, arena, &progress, report, [&](const PreparedScan& scan) -> Status {
-    const auto samples = sample_surface(scan.cloud, arena);
-    PLUMBLINE_TRY(samples);
+  const auto look = [&](const PreparedScan& scan, const SurfaceSamples& samples) -> Status {
     const auto proposals =
-        propose_orientations(*samples, report.scan.header, asked.placement, {&progress, Stage::kNormals});
+        propose_orientations(samples, report.scan.header, asked.placement, {&progress, Stage::kNormals});
     PLUMBLINE_TRY(proposals);
     page.answer.proposals = *proposals;
     page.answer.kind = ScanAnswer::kProposals;
     std::array<std::array<double, 2>, kProposalCount> degrees;
     for (std::size_t i = 0; i < degrees.size(); ++i) degrees[i] = (*proposals)[i].degrees;
-    const float spacing = std::sqrt(samples->area / static_cast<float>(scan.cloud.size));
+    const float spacing = std::sqrt(samples.area / static_cast<float>(scan.cloud.size));
     // If the arena has no room for them, there are no pictures.
     static_cast<void>(draw_proposal_pictures(scan.cloud, spacing, degrees, arena, page.proposals));
     return {};
-  });
+  };
+  return prepare_normals(sources, settings, arena, &progress, report, look);
 }
 
 /// Reads a scan or a mesh in few points and draws it.

@@ -1,11 +1,14 @@
 #include "firmware/child/slicing_child.hpp"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <utility>
 
@@ -14,6 +17,14 @@
 
 namespace plumbline {
 namespace {
+
+using namespace std::chrono_literals;
+using ChildClock = std::chrono::steady_clock;
+
+/// For the template to start its threads once and to give up its rights, on a busy machine.
+constexpr auto kStartPatience = 30s;
+/// For a template to end: when its socket closes, and when it is killed.
+constexpr auto kTemplatePatience = 2s;
 
 bool send(const Descriptor& socket, ChildWord word, std::span<const int> descriptors = {}) {
   ChildMessage message;
@@ -27,6 +38,21 @@ std::optional<ChildMessage> receive(const Descriptor& socket) {
   if (!received || received->bytes != sizeof message) return std::nullopt;
   message.reason[sizeof message.reason - 1] = '\0';
   return message;
+}
+
+bool is_readable(const Descriptor& socket, std::chrono::milliseconds patience) {
+  pollfd file{socket.get(), POLLIN, 0};
+  return ::poll(&file, 1, static_cast<int>(patience.count())) > 0;
+}
+
+/// @returns whether a child of this process has ended; it is gone then
+bool reap(pid_t process, std::chrono::milliseconds patience) {
+  for (const auto until = ChildClock::now() + patience;;) {
+    const pid_t ended = ::waitpid(process, nullptr, WNOHANG);
+    if (ended == process || (ended < 0 && errno != EINTR)) return true;
+    if (ChildClock::now() >= until) return false;
+    static_cast<void>(::poll(nullptr, 0, 5));
+  }
 }
 
 }  // namespace
@@ -44,7 +70,10 @@ Expected<SlicingChild> SlicingChild::make(std::size_t arena_bytes, std::uint32_t
   const pid_t process = ::fork();
   if (process == 0) run_child_template(theirs.get(), *memory, threads, task, firmware);
   if (process < 0) return fail(ErrorCode::kUnsupported, "no slicing child: %s", std::strerror(errno));
+  // A stopped template takes no messages: nothing waits until it does.
+  static_cast<void>(::fcntl(ours.get(), F_SETFL, O_NONBLOCK));
   SlicingChild child(std::move(*memory), std::move(ours), process);
+  static_cast<void>(is_readable(child.socket_, kStartPatience));
   const auto first = receive(child.socket_);
   if (!first) return fail(ErrorCode::kUnsupported, "the slicing child ended while it started");
   if (first->word != ChildWord::kReady) return fail(ErrorCode::kUnsupported, "%s", first->reason);
@@ -55,6 +84,7 @@ Expected<SlicingChild> SlicingChild::make(std::size_t arena_bytes, std::uint32_t
 SlicingChild::SlicingChild(SlicingChild&& other) noexcept
     : memory_(std::move(other.memory_)),
       socket_(std::move(other.socket_)),
+      ends_by_(other.ends_by_),
       template_(std::exchange(other.template_, -1)),
       landlock_(other.landlock_),
       gone_(other.gone_) {}
@@ -62,8 +92,17 @@ SlicingChild::SlicingChild(SlicingChild&& other) noexcept
 SlicingChild::~SlicingChild() {
   if (template_ < 0) return;
   socket_ = Descriptor();  // the template ends when its socket does
-  while (::waitpid(template_, nullptr, 0) < 0 && errno == EINTR) {
+  end_template(kTemplatePatience);
+}
+
+/// Waits for the end of the template, and kills it if that does not come: SIGKILL ends a stopped process, too. The kernel has killed its
+/// child by then.
+void SlicingChild::end_template(std::chrono::milliseconds patience) {
+  if (!reap(template_, patience)) {
+    ::kill(template_, SIGKILL);
+    static_cast<void>(reap(template_, kTemplatePatience));
   }
+  template_ = -1;
 }
 
 tl::unexpected<Error> SlicingChild::has_gone() {
@@ -74,6 +113,8 @@ tl::unexpected<Error> SlicingChild::has_gone() {
 }
 
 Status SlicingChild::start(const ScanRequest& request, std::span<const int> files) {
+  if (gone_) return has_gone();
+  ends_by_.reset();
   MessagePage& page = memory_.page();
   page.request = request;
   page.answer = ScanAnswer();
@@ -87,13 +128,24 @@ Status SlicingChild::start(const ScanRequest& request, std::span<const int> file
 }
 
 Expected<std::optional<int>> SlicingChild::wait(std::chrono::milliseconds patience) {
-  pollfd file{socket_.get(), POLLIN, 0};
-  if (::poll(&file, 1, static_cast<int>(patience.count())) <= 0) return std::nullopt;
-  const auto message = receive(socket_);
+  if (ends_by_) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*ends_by_ - ChildClock::now());
+    patience = std::clamp(left, 0ms, patience);
+  }
+  if (!gone_ && !is_readable(socket_, patience)) {
+    if (!ends_by_ || ChildClock::now() < *ends_by_) return std::nullopt;
+    end_template(0ms);
+    return has_gone();
+  }
+  const auto message = gone_ ? std::nullopt : receive(socket_);
   if (!message || message->word != ChildWord::kEnded) return has_gone();
   return message->status;
 }
 
-void SlicingChild::kill() { static_cast<void>(send(socket_, ChildWord::kKill)); }
+void SlicingChild::kill(std::chrono::milliseconds patience) {
+  const auto until = ChildClock::now() + patience;
+  if (!ends_by_) static_cast<void>(send(socket_, ChildWord::kKill));
+  ends_by_ = std::min(until, ends_by_.value_or(until));
+}
 
 }  // namespace plumbline

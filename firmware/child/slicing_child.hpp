@@ -28,8 +28,12 @@ class SlicingChild {
                                                    ChildTask task = run_scan_task);
   SlicingChild(SlicingChild&& other) noexcept;
   SlicingChild& operator=(SlicingChild&&) = delete;
-  /// Ends the template and its child.
+  /// Ends the template and its child, within some seconds also if the template is stopped.
   ~SlicingChild();
+
+  /// A template that has not reported a killed child's end for this long is killed itself. The child may be waiting for a stick that does
+  /// not answer: the kernel gives up after 30 s, perhaps twice.
+  static constexpr std::chrono::seconds kEndPatience{90};
 
   /// The memory that a child works in. It is the firmware's while no child runs.
   std::span<std::byte> arena_block() const { return memory_.arena(); }
@@ -46,10 +50,11 @@ class SlicingChild {
   [[nodiscard]] Status start(const ScanRequest& request, int file) { return start(request, std::span(&file, 1)); }
   /// Waits for the child to end. Once it has, none of its threads is left, so nothing changes the arena or the answer any more.
   /// @returns its status as wait(2) gives it; nothing: it still runs
-  /// @retval ErrorCode::kDeviceTimeout  the template has ended
+  /// @retval ErrorCode::kDeviceTimeout  the template has ended, or was killed because it did not report the end of a killed child
   [[nodiscard]] Expected<std::optional<int>> wait(std::chrono::milliseconds patience);
   /// Kills the child. wait() then reports its end, at once unless the kernel is reading for it.
-  void kill();
+  /// @param patience  for the template to report it; of several calls the earliest end of the patience counts
+  void kill(std::chrono::milliseconds patience = kEndPatience);
 
   const ChildProgress& progress() const { return memory_.page().progress; }
   const ScanAnswer& answer() const { return memory_.page().answer; }
@@ -63,9 +68,11 @@ class SlicingChild {
   SlicingChild(SharedMemory memory, Descriptor socket, pid_t process)
       : memory_(std::move(memory)), socket_(std::move(socket)), template_(process) {}
   tl::unexpected<Error> has_gone();
+  void end_template(std::chrono::milliseconds patience);
 
   SharedMemory memory_;
-  Descriptor socket_;  ///< to the template
+  Descriptor socket_;                                             ///< to the template; nothing waits for room in it
+  std::optional<std::chrono::steady_clock::time_point> ends_by_;  ///< of the child that was killed
   pid_t template_ = -1;
   bool landlock_ = false;
   bool gone_ = false;

@@ -18,6 +18,7 @@
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/mask_stack.hpp"
 #include "slicer/checks/stack_checker.hpp"
+#include "slicer/checks/what_matters.hpp"
 
 namespace plumbline {
 namespace {
@@ -81,6 +82,7 @@ Expected<CheckedMasks> check_stack(const CheckOptions& options, const JobSetup& 
   Arena& arena = terminal.arena();
   auto stack = MaskStack::open(options.job.scans[0]);
   PLUMBLINE_TRY(stack);
+  if (const auto& printer = setup.placement.printer) stack->turn_for(printer->columns, printer->rows);
   CheckLimits limits;
   const auto grid = grid_of(*stack, options.job, setup, limits);
   PLUMBLINE_TRY(grid);
@@ -88,7 +90,7 @@ Expected<CheckedMasks> check_stack(const CheckOptions& options, const JobSetup& 
   const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid->columns, grid->rows), "checks");
   PLUMBLINE_TRY(words);
   const BitImage mask(*words, grid->columns, grid->rows);
-  CheckedMasks checked{options.job.scans[0], *grid, {}};
+  CheckedMasks checked{options.job.scans[0], *grid, {}, {}};
   {
     const ArenaScope scratch(arena);
     auto checker = StackChecker::create(*grid, limits, arena);
@@ -105,6 +107,8 @@ Expected<CheckedMasks> check_stack(const CheckOptions& options, const JobSetup& 
     }
     bar.clear();
     checked.findings = checker->finish();
+    find_what_matters(checked.findings, *grid, {});
+    checked.grey = stack->grey();
   }
   const auto mask_of = [&](std::uint32_t layer) -> Expected<ConstBitImage> {
     PLUMBLINE_TRY(stack->read(layer, mask));
@@ -125,7 +129,7 @@ Expected<CheckedMasks> check_scan(const CheckOptions& options, const JobSetup& s
   SliceReport report;
   const auto sliced = slice_for_print(scan->sources(), settings, *supports, arena, &terminal.progress(), report);
   PLUMBLINE_TRY(sliced);
-  CheckedMasks checked{scan->title(), sliced->rrep.grid, sliced->findings};
+  CheckedMasks checked{scan->title(), sliced->rrep.grid, sliced->findings, {}};
   PLUMBLINE_TRY(write_issues_file(options.picture, checked, sliced->rrep, sliced->supports, arena));
   return checked;
 }
@@ -142,6 +146,11 @@ Status write_findings(const CheckedMasks& masks, const CheckOptions& options, co
   text.add("areas      first layer %.4g mm2, largest %.4g mm2 (layer %u), largest jump %.4g mm2 (layer %u)\n",
            scale.mm2(found.first_layer_pixels), scale.mm2(found.peel_pixels), found.peel_layer,
            scale.mm2(found.jump_pixels), found.jump_layer);
+  if (masks.grey.grey > 0) {
+    const double lost = static_cast<double>(masks.grey.lost) / static_cast<double>(masks.grey.lit);
+    text.add("grey       %.1f %% of the area is neither black nor white: %.1f %% becomes black, %.1f %% white\n",
+             100 * masks.grey.share(), 100 * lost, 100 * (masks.grey.share() - lost));
+  }
   text.add("found      %s\n", issue_counts(found).c_str());
   PLUMBLINE_TRY(out.write(text.view()));
   Status written;
@@ -152,7 +161,7 @@ Status write_findings(const CheckedMasks& masks, const CheckOptions& options, co
              sentence.data());
     if (written) written = out.write(line.view());
     if (!options.job.verbose) return;
-    for (const Issue& issue : found.of(kind).all_kept()) {
+    for (const Issue& issue : found.of(kind).told_kept()) {
       line.clear();
       line.add("           layers %u to %u, x %.1f, y %.1f mm: %.4g mm2, %.4g ml\n", issue.first_layer,
                issue.last_layer, scale.x_mm(issue), scale.y_mm(issue), scale.mm2(issue.pixels), scale.ml(issue.voxels));
@@ -184,6 +193,14 @@ Status write_findings_json(const CheckedMasks& masks, const CheckPolicy& policy)
   json.row(std::array{masks.grid.pitch_x_mm, masks.grid.pitch_y_mm});
   json.member("layer_height_mm", masks.grid.layer_height_mm);
   json.end_object();
+  if (masks.grey.lit > 0) {
+    json.key("grey");
+    json.begin_object(JsonWriter::Layout::kOneLine);
+    json.member("lit_pixels", masks.grey.lit);
+    json.member("grey_pixels", masks.grey.grey);
+    json.member("lost_pixels", masks.grey.lost);
+    json.end_object();
+  }
   json.member("volume_ml", IssueScale(masks.grid).ml(masks.findings.voxels));
   write_issues(json, masks.findings, masks.grid, policy);
   json.end_object();
@@ -199,7 +216,9 @@ CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
   command->add_option("--picture", options.picture, "Draw where the issues are")->type_name("PNG");
   add_slicing_options(*command, options.job, options.supports, options.checks)
       ->type_name("STACK|SCAN")
-      ->description("A folder of layers as PNG files, an archive (.sl1, .sl1s, .zip), or the files of a scan or mesh");
+      ->description(
+          "A folder of layers as PNG files, an archive (.sl1, .sl1s, .zip, .cws, .uvj, .nanodlp), or the files of a "
+          "scan or mesh");
   return command;
 }
 

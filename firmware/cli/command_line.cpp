@@ -44,6 +44,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   ControlOptions control;
   SimulateOptions simulate;
   SetupOptions setup;
+  ProfileOptions profile;
   const CLI::App* slice_command = add_slice_command(app, slice);
   const CLI::App* inspect_command = add_inspect_command(app, inspect);
   const CLI::App* orient_command = add_orient_command(app, orient);
@@ -54,6 +55,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   const CLI::App* control_command = add_control_command(app, control);
   const CLI::App* simulate_command = add_simulate_command(app, simulate);
   const CLI::App* setup_command = add_setup_command(app, setup);
+  const CLI::App* profile_command = add_profile_command(app, profile);
   add_doctor_command(app, doctor);
 
   try {
@@ -75,6 +77,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   if (control_command->parsed()) return run_control(control);
   if (simulate_command->parsed()) return run_simulate(simulate);
   if (setup_command->parsed()) return run_setup(setup);
+  if (profile_command->parsed()) return run_profile(profile);
   return run_doctor(doctor);
 }
 

@@ -12,6 +12,7 @@
 #include "firmware/machine/back_end.hpp"
 #include "firmware/settings/check_policy.hpp"
 #include "firmware/settings/job_options.hpp"
+#include "firmware/settings/print_fields.hpp"
 #include "firmware/settings/support_choice.hpp"
 #include "firmware/state/socket_place.hpp"
 
@@ -66,6 +67,13 @@ struct PrintOptions {
   SimulationOptions simulation;
   SupportChoice supports;  ///< overrides the profile's
   CheckChoice checks;      ///< overrides the profile's
+  PrintValues set{};       ///< override the profile's and the archive's
+
+  PrintValues by_person() const {
+    PrintValues all = set;
+    if (job.layer_height_mm) all[index_of(PrintKey::kLayerHeight)] = job.layer_height_mm;
+    return all;
+  }
 };
 
 struct DoctorOptions {
@@ -88,9 +96,12 @@ struct ControlOptions {
   std::string socket = kStateSocket;  ///< the daemon's state socket; commands go to the one beside it
   std::string command;                ///< to_string(Command)
   std::uint32_t scan = 0;             ///< of choose
+  std::uint32_t folder = 0;           ///< of open
   std::string key, value;             ///< of set
   std::string file;                   ///< of upload: its path
   std::string name;                   ///< of remove
+  std::optional<double> ml;           ///< of filled
+  std::string about;                  ///< id of the question or job that is meant; empty: not said
 };
 
 struct SimulateOptions {
@@ -112,6 +123,13 @@ struct SetupOptions {
   bool list = false;                ///< only list what the board has
 };
 
+struct ProfileOptions {
+  std::string program;  ///< "prusaslicer", "uvtools"
+  std::string printer;  ///< board file
+  std::string profile;  ///< name or path; empty: the board file's
+  std::string output;   ///< empty: standard output
+};
+
 /// Each adds a subcommand whose options are parsed into `options`, which must outlive the parsing.
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options);
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
@@ -124,6 +142,7 @@ CLI::App* add_status_command(CLI::App& app, StatusOptions& options);
 CLI::App* add_control_command(CLI::App& app, ControlOptions& options);
 CLI::App* add_simulate_command(CLI::App& app, SimulateOptions& options);
 CLI::App* add_setup_command(CLI::App& app, SetupOptions& options);
+CLI::App* add_profile_command(CLI::App& app, ProfileOptions& options);
 
 /// Each runs a subcommand. Results go to standard output; progress, warnings and errors to standard error.
 /// @param arena_block  the program's static memory
@@ -138,5 +157,6 @@ ExitCode run_status(const StatusOptions& options);
 ExitCode run_control(const ControlOptions& options);
 ExitCode run_simulate(const SimulateOptions& options);
 ExitCode run_setup(const SetupOptions& options);
+ExitCode run_profile(const ProfileOptions& options);
 
 }  // namespace plumbline

@@ -15,6 +15,7 @@
 #include "firmware/io/scan_files.hpp"
 #include "firmware/print/sliced_archive.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "firmware/slice/proof_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/layers/layer_stream.hpp"
 
@@ -74,7 +75,7 @@ ExitCode inspect_archive(const InspectOptions& options, const JobSetup& setup) {
         Error::format(ErrorCode::kCannotOpen, "%s: cannot be opened: %s", path.c_str(), std::strerror(errno)));
   }
   const std::string name = path.substr(path.rfind('/') + 1);
-  const auto archive = LayerArchive::open(file.get(), name);
+  auto archive = LayerArchive::open(file.get(), name);
   if (!archive) return report_error(archive.error());
   std::string refusal;
   if (setup.board) {
@@ -153,6 +154,9 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
              inspect_options.picture.empty() ? ". --picture FILE draws where" : ": see ",
              inspect_options.picture.c_str());
     terminal.warn(line.view());
+  }
+  if (const PointProof& proof = report.coarse.proof; outlook.coverage && proof.is_doubtful()) {
+    terminal.warn(points_off_warning(proof).view());
   }
   if (options.quiet && !options.json) return ExitCode::kDone;
   OutputFile out = OutputFile::standard_output();

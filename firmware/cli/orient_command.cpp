@@ -29,16 +29,16 @@ constexpr const char* kOrientFooter =
     "below it, the area of the largest layer (which must be peeled off the film), the height, and the area of the\n"
     "scars that supports leave, counted more where the scanner saw the surface better. Units are mm.\n";
 
-using Line = FixedText<200>;
+using OrientLine = FixedText<200>;
 
-Line options_of(const Proposal& o) {
-  Line text;
+OrientLine options_of(const Proposal& o) {
+  OrientLine text;
   text.add("--rotate-x %.4g --rotate-y %.4g", o.degrees[0], o.degrees[1]);
   return text;
 }
 
-Line cost_text(const Proposal& cost) {
-  Line text;
+OrientLine cost_text(const Proposal& cost) {
+  OrientLine text;
   text.add("supports %.3g cm2, %.3g ml below; peel %.3g cm2; height %.4g mm; scars %.3g cm2", cost.support_mm2 / 100,
            cost.support_mm3 / 1000, cost.peel_mm2 / 100, cost.height_mm, cost.scar_mm2 / 100);
   return text;
@@ -46,7 +46,7 @@ Line cost_text(const Proposal& cost) {
 
 Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Proposals& found, const std::string& title,
             const std::string& path, Arena& arena) {
-  std::array<std::array<Line, 6>, kBestOrientations> texts;
+  std::array<std::array<OrientLine, 6>, kBestOrientations> texts;
   std::array<OrientationView, kBestOrientations> views;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Proposal& o = found[i + 1];
@@ -58,7 +58,7 @@ Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Propo
     texts[i][4].add("peels %.3g cm2 at most", o.peel_mm2 / 100);
     texts[i][5].add("%.4g mm high", o.height_mm);
     views[i].degrees = o.degrees;
-    std::ranges::transform(texts[i], views[i].lines.begin(), &Line::view);
+    std::ranges::transform(texts[i], views[i].lines.begin(), &OrientLine::view);
   }
   auto encoder = PictureEncoder::create(kPageMemory);
   PLUMBLINE_TRY(encoder);
@@ -129,13 +129,11 @@ ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_blo
   const SliceSettings settings = set_threads(slice_settings(*setup));
   PreparationReport report;
   Proposals found;
-  const auto look = [&](const PreparedScan& prepared) -> Status {
-    const auto samples = sample_surface(prepared.cloud, arena);
-    PLUMBLINE_TRY(samples);
-    const auto proposals = propose_orientations(*samples, report.scan.header, settings.placement, {});
+  const auto look = [&](const PreparedScan& prepared, const SurfaceSamples& samples) -> Status {
+    const auto proposals = propose_orientations(samples, report.scan.header, settings.placement, {});
     PLUMBLINE_TRY(proposals);
     found = *proposals;
-    return options.picture.empty() ? Status() : draw(prepared, *samples, found, scan->title(), options.picture, arena);
+    return options.picture.empty() ? Status() : draw(prepared, samples, found, scan->title(), options.picture, arena);
   };
   const auto done = prepare_normals(scan->sources(), settings, arena, &terminal.progress(), report, look);
   if (!done) return report_error(done.error());

@@ -18,7 +18,10 @@
 #include "firmware/machine/back_end.hpp"
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/print_summary.hpp"
+#include "firmware/print/sliced_contract.hpp"
 #include "firmware/print/status/print_lines.hpp"
+#include "firmware/print/store/interrupted_print.hpp"
+#include "firmware/settings/print_values.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
 
@@ -27,19 +30,22 @@ namespace {
 
 /// Virtual time that a print waits for an absent user.
 constexpr nanoseconds kNobodyComes = std::chrono::hours(1);
+/// The same that it takes to fill the tank.
+constexpr nanoseconds kToFill = std::chrono::minutes(1);
 
 constexpr const char* kPrintFooter =
     "\nExamples:\n"
     "  plumbline print bust.ply --printer sim2k                     hours of printing in seconds\n"
     "  plumbline print bust.ply --printer sim2k --keep-part part    and keep the part that came of it\n"
     "  plumbline print bust.sl1 --printer sim2k                     what another slicer has made for this panel\n"
+    "  plumbline print bust.zip --printer sim2k --set exposure_time=3   with another exposure than it says\n"
     "  plumbline print bust.ply --printer sim2k --fault temperature.lamp_hot@layer=40,for=5s   it waits and goes on\n"
     "  plumbline print bust.ply --printer sim2k --state job --fault power.cut@layer=40\n"
     "  plumbline print --resume --printer sim2k --state job         go on after the power cut\n"
     "\n"
-    "Output: the checks, a line that shows progress, and at the end time, resin and what went wrong. "
-    "firmware/README.md\n"
-    "explains the codes of faults; hal/sim/README.md lists those that can be simulated.\n"
+    "Output: what will be done, each value with its source (profile, archive, person), the checks, a line that shows\n"
+    "progress, and at the end time, resin and what went wrong. firmware/README.md explains the codes of faults;\n"
+    "hal/sim/README.md lists those that can be simulated.\n"
     "\n"
     "Exit status: 0 printed, 1 a fault or an error, 2 wrong command line, 130 cancelled.\n";
 
@@ -90,6 +96,7 @@ Expected<Printer> read_printer(const PrintOptions& options) {
   PLUMBLINE_TRY(profile);
   printer.profile = std::move(*profile);
   printer.profile.checks = options.checks.over(printer.profile.checks);
+  set_values(printer.profile, options.by_person(), ValueSource::kPerson);
   return printer;
 }
 
@@ -143,7 +150,25 @@ Expected<OpenArchive> open_archive(const std::string& path, JobStore* store, Ter
   return archive;
 }
 
-/// @param profile  gets the archive's exposures
+/// What an archive does not say is printed only if somebody has said it, or accepts what the profile has; a scan whose points lie off its masks
+/// only if somebody accepts that.
+Status accept_doubts(const Contract& contract, const std::string& name, const PrintOptions& options,
+                     TerminalJob& terminal) {
+  std::string all;
+  for_each_doubt(contract, name, [&](const Told&, std::string_view sentence) {
+    if (options.checks.accept) return terminal.warn(std::string(sentence));
+    all.append(all.empty() ? "" : "; ").append(sentence);
+  });
+  if (all.empty()) return {};
+  std::string advice = "Add --accept to print it so";
+  if (contract.doubts_about(Doubt::kExposure)) {
+    advice += ", or --set exposure_time=SECONDS --set initial_exposure_time=SECONDS";
+  }
+  if (contract.doubts_about(Doubt::kLayerHeight)) advice += ", or --layer-height MM";
+  return fail(ErrorCode::kBadSetting, "%s.\t%s", all.c_str(), advice.c_str());
+}
+
+/// @param profile  gets the archive's values, and above them the person's
 Status make_archive_ready(const PrintOptions& options, const JobSetup& setup, const Printer& printer, JobStore* store,
                           PrintProfile& profile, PrintSession& session, TerminalJob& terminal) {
   const std::string& path = options.job.scans[0];
@@ -157,7 +182,10 @@ Status make_archive_ready(const PrintOptions& options, const JobSetup& setup, co
   const int file = archive->file.get();
   const auto sliced = check_archive(file, name, target, arena, &terminal.progress());
   PLUMBLINE_TRY(sliced);
-  profile = profile_of(profile, sliced->settings, name);
+  for_each_remark(*sliced, [&](const Told&, std::string_view remark) { terminal.warn(remark); });
+  auto with_archives = profile_of(profile, sliced->settings, name, options.by_person());
+  PLUMBLINE_TRY(with_archives);
+  profile = std::move(*with_archives);
   for_each_issue(sliced->findings, sliced->grid, profile.checks,
                  [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
   if (!sliced->rrep.first.empty()) {
@@ -167,10 +195,10 @@ Status make_archive_ready(const PrintOptions& options, const JobSetup& setup, co
   }
   arena.release_bottom(sliced->layers_end);
   PLUMBLINE_TRY(judge(sliced->findings, sliced->grid, profile.checks));
-  const auto taken = session.take(*sliced, name, profile, std::move(archive->file), archive->hash);
-  // What is wrong with its exposures names the archive already.
-  if (taken || taken.error().code() == ErrorCode::kExposureTooLong) return taken;
-  return tl::unexpected<Error>(taken.error().with_prefix(name));
+  const auto contract = contract_of(*sliced, profile, printer.machine);
+  PLUMBLINE_TRY(contract);
+  PLUMBLINE_TRY(accept_doubts(*contract, name, options, terminal));
+  return session.take(*sliced, name, profile.name, *contract, std::move(archive->file), archive->hash);
 }
 
 bool is_archive(const PrintOptions& options) {
@@ -189,7 +217,11 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, Printer& p
   PLUMBLINE_TRY(scan);
   SliceSettings settings = slice_settings(setup, *supports);
   tell_checks(printer.profile, printer.machine, settings);
-  PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &terminal.progress()));
+  const auto accept = [&](const Contract& contract) {
+    return accept_doubts(contract, scan->title(), options, terminal);
+  };
+  PLUMBLINE_TRY(
+      session.slice_scan(scan->sources(), settings, *supports, printer.profile, &terminal.progress(), accept));
   for_each_remark(session.sliced(), [&](const Told&, std::string_view remark) { terminal.warn(remark); });
   for_each_issue(*session.findings(), session.grid(), printer.profile.checks,
                  [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
@@ -224,9 +256,9 @@ Status write_results(const PrintOptions& options, const PrintOutcome& outcome) {
 }
 
 /// A real printer with a state folder prints onto a plate that somebody says is empty.
-Status check_plate(const PrintOptions& options, const MachineFile& machine, PlateRecord& plate) {
-  if (options.plate_empty) return plate.confirm_empty();
-  if (plate.is_empty() || options.resume || machine.simulated || options.simulation.simulate) return {};
+Status check_plate(const PrintOptions& options, bool simulated, MachineRecord& record) {
+  if (options.plate_empty) return record.confirm_empty();
+  if (record.plate_is_empty() || options.resume || simulated) return {};
   return fail(ErrorCode::kBadSetting,
               "nobody has said that the plate is empty since the last print.\tTake off what is on it, then add "
               "--plate-empty");
@@ -255,6 +287,30 @@ Expected<Outputs> open_outputs(const PrintOptions& options, const Printer& print
   outputs.part.emplace(std::move(*part));
   return outputs;
 }
+
+/// Fills the tank of a simulated printer when the print asks for it. On a board a person does.
+class SimulatedUser final : public PrintObserver {
+ public:
+  /// @param witness  null: on a board
+  SimulatedUser(PrintObserver& lines, Witness* witness) : lines_(lines), witness_(witness) {}
+
+  bool update(const PrintStatus& status) override {
+    const bool asks = witness_ != nullptr && status.state == PrintState::kFeedMe;
+    if (!asks) asked_at_.reset();
+    if (asks && !asked_at_) asked_at_ = status.now;
+    if (asks && status.now - *asked_at_ >= kToFill) {
+      asked_at_ = status.now;
+      witness_->press(EventKind::kStartPressed);
+    }
+    return lines_.update(status);
+  }
+  void checked(Check check, const CheckResult& result) override { lines_.checked(check, result); }
+
+ private:
+  PrintObserver& lines_;
+  Witness* witness_;
+  std::optional<TimePoint> asked_at_;
+};
 
 ExitCode exit_code(PrintState state) {
   if (state == PrintState::kFinished) return ExitCode::kDone;
@@ -292,6 +348,21 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
       ->excludes(resume)
       ->group(kPrint);
   for (const SupportField& field : kSupportFields) resume->excludes(option_name(field));
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--set",
+          [&options](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) {
+              if (const auto set = parse_assignment(text, options.set); !set) {
+                throw CLI::ValidationError("--set: " + std::string(set.error().message()));
+              }
+            }
+          },
+          "A value of this print instead of the profile's or the archive's, such as exposure_time=3; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->take_all()
+      ->excludes(resume)
+      ->group(kPrint);
   command->add_option("--report", options.report, "Write the report, with every exposure, as JSON")
       ->type_name("FILE")
       ->group(kPrint);
@@ -318,16 +389,16 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   const auto setup = set_up(job, arena_block.size());
   if (!setup) return report_error(setup.error());
   std::optional<JobStore> store;
-  std::optional<PlateRecord> plate;
+  std::optional<MachineRecord> record;
+  const bool simulated = printer->machine.simulated || options.simulation.simulate;
   if (!options.state.empty()) {
     auto opened = JobStore::open(options.state);
     if (!opened) return report_error(opened.error());
     store.emplace(std::move(*opened));
-    auto record = PlateRecord::open(options.state);
-    if (!record) return report_error(record.error());
-    plate.emplace(std::move(*record));
-    if (const auto checked = check_plate(options, printer->machine, *plate); !checked)
-      return report_error(checked.error());
+    auto remembered = open_machine_record(options.state, *store, printer->machine.tank_volume_ml, simulated);
+    if (!remembered) return report_error(remembered.error());
+    record.emplace(std::move(*remembered));
+    if (const auto checked = check_plate(options, simulated, *record); !checked) return report_error(checked.error());
   }
   auto outputs = open_outputs(options, *printer);
   if (!outputs) return report_error(outputs.error());
@@ -346,9 +417,9 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   if (options.resume) {
     const auto progress = store->progress();
     if (!progress) return report_error(progress.error());
-    simulation.layers_on_plate = progress->next_layer;
-    simulation.height_on_plate = progress->height;
-    simulation.plate_at = progress->stands;
+    simulation.layers_on_plate = progress->last.next_layer;
+    simulation.height_on_plate = progress->last.height;
+    simulation.plate_at = progress->last.stands;
   }
   auto back_end = open_back_end(printer->board, printer->machine, printer->profile, simulation);
   if (!back_end) return report_error(back_end.error());
@@ -357,7 +428,11 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
                     : job.verbose     ? PrintLines::Show::kEverything
                                       : PrintLines::Show::kPrint;
   PrintLines lines(show, witness != nullptr ? std::optional(kNobodyComes) : std::nullopt);
-  const PrintReport& report = session.print((*back_end)->machine(), lines, plate ? &*plate : nullptr);
+  if (!terminal.silent()) {
+    for_each_contract_line(session.contract(), [](std::string_view line) { write_line(line); });
+  }
+  SimulatedUser user(lines, witness);
+  const PrintReport& report = session.print((*back_end)->machine(), user, record ? &*record : nullptr);
   lines.clear();
   if (lines.gave_up()) write_line("plumbline: the print waited an hour for its user and was cancelled");
 

@@ -129,16 +129,16 @@ Expected<std::string> write_board(const SimulateOptions& options, const fs::path
 }
 
 /// A folder and whether it is to be removed.
-struct Place {
+struct SimulationPlace {
   fs::path folder;
   bool own = false;
-  ~Place() {
+  ~SimulationPlace() {
     std::error_code ignored;
     if (own) fs::remove_all(folder, ignored);
   }
 };
 
-Status make_folder(const SimulateOptions& options, Place& place) {
+Status make_folder(const SimulateOptions& options, SimulationPlace& place) {
   std::error_code error;
   if (options.folder.empty()) {
     std::string pattern = (fs::temp_directory_path(error) / "plumbline-XXXXXX").string();
@@ -155,8 +155,9 @@ Status make_folder(const SimulateOptions& options, Place& place) {
   }
   if (!error && !fs::exists(place.folder / "state" / "seen", error)) {
     // A new printer's plate is empty.
-    PLUMBLINE_TRY(write_file((place.folder / "state" / "plate-is-empty").c_str(), {}));
-    PLUMBLINE_TRY(write_file((place.folder / "state" / "seen").c_str(), {}));
+    for (const char* const name : {"plate-is-empty", "seen"}) {
+      PLUMBLINE_TRY(write_file((place.folder / "state" / name).c_str(), {}));
+    }
   }
   for (const std::string& scan : options.scans) {
     if (!error) fs::copy(scan, place.folder / "stick", fs::copy_options::overwrite_existing, error);
@@ -196,7 +197,7 @@ ExitCode has_ended(const char* program, const fs::path& log) {
 
 ExitCode simulate(const SimulateOptions& options) {
   catch_interrupts();
-  Place place;
+  SimulationPlace place;
   if (const auto made = make_folder(options, place); !made) return report_error(made.error());
   const auto board = write_board(options, place.folder / "board");
   if (!board) return report_error(board.error());

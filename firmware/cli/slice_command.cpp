@@ -1,16 +1,20 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 
+#include "firmware/archive/layer_archive.hpp"
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/reports/print_time.hpp"
 #include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/output_file.hpp"
+#include "firmware/io/scan_names.hpp"
 #include "firmware/io/text/json_writer.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "firmware/slice/job_summary.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/slice_job.hpp"
+#include "slicer/reader/formats/foreign_formats.hpp"
+#include "slicer/reader/stream/words.hpp"
 
 namespace plumbline {
 namespace {
@@ -70,7 +74,7 @@ CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
 
 namespace {
 
-Expected<ArchiveSettings> archive_settings(const JobSetup& setup, const std::string& output) {
+Expected<ArchiveOutput> archive_output(const JobSetup& setup, const std::string& output) {
   if (!setup.board) {
     return fail(ErrorCode::kBadSetting,
                 "%s: an .sl1 archive is made for a printer's panel.\tName the printer with --printer, or give a folder",
@@ -85,19 +89,32 @@ Expected<ArchiveSettings> archive_settings(const JobSetup& setup, const std::str
     const auto time = estimate_print_time(board, grid.layers, static_cast<double>(grid.layer_height_mm));
     return time ? std::chrono::duration<double>(time->time).count() : 0;
   };
-  return ArchiveSettings{board, std::move(*profile), seconds};
+  return ArchiveOutput{board, std::move(*profile), seconds};
 }
 
 }  // namespace
 
+/// Refuses names that say they are files: a folder part.ctb is nothing that a printer or a slicer opens.
+Status check_output_name(const std::string& output) {
+  if (is_sl1_name(output)) return {};
+  const bool is_file = foreign_format(in_lower_case(output)) != nullptr || is_archive_name(output) ||
+                       is_scan_file_name(output) || has_ending(output, ".png");
+  if (!is_file) return {};
+  return fail(ErrorCode::kBadSetting,
+              "%s: files of this kind are not written.\tGive a folder, or an archive that ends in .sl1 or .sl1s; a "
+              "folder of this name needs a slash at its end",
+              output.c_str());
+}
+
 ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block) {
+  if (const auto named = check_output_name(options.output); !named) return report_error(named.error());
   const auto setup = set_up(options.job, arena_block.size());
   if (!setup) return report_error(setup.error());
   SliceJobSettings settings;
   settings.scan_paths = options.job.scans;
   settings.output_path = options.output;
   if (is_sl1_name(options.output)) {
-    auto archive = archive_settings(*setup, options.output);
+    auto archive = archive_output(*setup, options.output);
     if (!archive) return report_error(archive.error());
     settings.archive = std::move(*archive);
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "firmware/told/printer_code.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -11,13 +13,12 @@ constexpr nanoseconds kAnswerLook = std::chrono::milliseconds(200);
 /// The same between two steps of what is done meanwhile.
 constexpr nanoseconds kStep = std::chrono::milliseconds(5);
 
-/// A press this soon after a question answers the one before it: whoever presses start twice must not print onto a full plate.
-constexpr nanoseconds kSettle = std::chrono::seconds(1);
+/// Of the beep that says that a press was not taken.
+constexpr nanoseconds kBeep = std::chrono::milliseconds(100);
 
 }  // namespace
 
 Expected<std::optional<Event>> Answers::look() {
-  by_command_ = false;
   record_.waits = true;
   const TimePoint until = machine_.clock.now() + kAnswerLook;
   Expected<std::optional<Event>> event = std::nullopt;
@@ -27,13 +28,12 @@ Expected<std::optional<Event>> Answers::look() {
   } while (event && !*event && machine_.clock.now() < until);
   record_.waits = false;
   PLUMBLINE_TRY(event);
-  observer_.idle();
+  recorder_.idle();
   if (*event && (*event)->kind == EventKind::kShutdownRequested) shutdown_ = true;
   return event;
 }
 
 Expected<EventKind> Answers::ask(const std::function<void()>& on_next) {
-  const TimePoint asked = machine_.clock.now();
   for (;;) {
     const auto event = look();
     PLUMBLINE_TRY(event);
@@ -42,8 +42,11 @@ Expected<EventKind> Answers::ask(const std::function<void()>& on_next) {
     switch (kind) {
       case EventKind::kStartPressed:
       case EventKind::kCancelPressed:
-        if (!by_command_ && (*event)->at < asked + kSettle) break;
-        return kind;
+        if ((*event)->named || (*event)->at >= record_.asked_at + kSettle) return kind;
+        static_cast<void>(machine_.panel.beep(kBeep));
+        recorder_.tell("a button was pressed within a second of the question, so nothing was done: press it again",
+                       PrinterCode::kPressSoon);
+        break;
       case EventKind::kShutdownRequested:
       case EventKind::kStickArrived:
       case EventKind::kStickDeparted: return kind;

@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
-#include <ctime>
 
 #include "firmware/daemon/printer_daemon.hpp"
 #include "firmware/daemon/service/service_events.hpp"
@@ -13,11 +12,14 @@
 #include "firmware/daemon/service/service_status.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/progress_lines.hpp"
+#include "firmware/io/token_bucket.hpp"
 #include "firmware/io/version.hpp"
+#include "firmware/io/wall_clock.hpp"
 #include "firmware/machine/back_end.hpp"
 #include "firmware/pictures/png_writer.hpp"
 #include "firmware/print/print_summary.hpp"
 #include "firmware/print/status/print_lines.hpp"
+#include "firmware/print/store/interrupted_print.hpp"
 #include "firmware/print/store/kept_prints.hpp"
 #include "firmware/screen/screen_server.hpp"
 #include "firmware/settings/job_options.hpp"
@@ -32,8 +34,7 @@ namespace {
 constexpr const char* kAbout =
     "The printer's daemon: waits for a stick, prints its job, reports, and waits for the next.\n"
     "\n"
-    "A stick's job is its job.toml, the only scan in its top folder, or the scan that the user chooses with the "
-    "buttons.\n"
+    "A stick's job is its job.toml, the only scan on it, or the scan that the user chooses with the buttons.\n"
     "It is printed when start is pressed, or by 'plumbline ctl start'. After a print the daemon waits until start is\n"
     "pressed for the empty plate. 'plumbline status' shows what it is doing.\n"
     "The journal is kept in --state: after a power cut the print resumes when start is pressed.\n";
@@ -88,8 +89,15 @@ class DaemonLog final : public DaemonObserver {
 
   void say(const PrintableText& text) override {
     FixedText<PrintableText::kCapacity + 16> line;
-    line.add("plumblined: %s", text.c_str());
-    write_line(line.view());
+    if (log_bound_.takes_line(std::chrono::steady_clock::now())) {
+      if (const unsigned left_out = log_bound_.take_left_out(); left_out > 0) {
+        line.add("plumblined: %u lines are left out", left_out);
+        write_line(line.view());
+        line.clear();
+      }
+      line.add("plumblined: %s", text.c_str());
+      write_line(line.view());
+    }
     manager_.status(text.view() == "ready" ? "ready: waiting for a stick" : text);
   }
   bool update(const PrintStatus& status) override {
@@ -99,11 +107,21 @@ class DaemonLog final : public DaemonObserver {
     return true;
   }
   void checked(Check check, const CheckResult& result) override { lines_.checked(check, result); }
+  void begins(const Contract& contract) override {
+    for_each_contract_line(contract, [](std::string_view line) { write_line(line); });
+  }
   void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) override {
     lines_.clear();
     manager_.status(service_status(report).view());
-    const std::vector<std::string> objections =
-        witness_ != nullptr ? witness_->objections() : std::vector<std::string>();
+    std::vector<std::string> objections;
+    if (witness_ != nullptr) {
+      if (report.state == PrintState::kFinished || report.state == PrintState::kCancelled)
+        witness_->conclude(report.state == PrintState::kFinished);
+      objections = witness_->objections();
+      // Those of earlier prints are in their reports.
+      objections.erase(objections.begin(), objections.begin() + static_cast<std::ptrdiff_t>(objections_told_));
+      objections_told_ += objections.size();
+    }
     const PrintOutcome outcome{report,
                                session,
                                profile,
@@ -119,6 +137,13 @@ class DaemonLog final : public DaemonObserver {
     if (++jobs_ == options_.jobs) end();
   }
   void idle() override { look_around(); }
+  void plate_emptied() override {
+    if (witness_ != nullptr) witness_->take_part_off();
+  }
+  /// Ends the daemon if a signal has asked for it.
+  void look_for_signals() {
+    if (interrupted()) end();
+  }
   void slicing(Stage stage, double fraction) override {
     look_around();
     const auto name = to_string(stage);
@@ -129,12 +154,11 @@ class DaemonLog final : public DaemonObserver {
 
  private:
   Status write_report(const PrintOutcome& outcome) const {
-    auto file = OutputFile::create(report_path(options_).c_str());
-    PLUMBLINE_TRY(file);
-    JsonWriter json(*file);
-    write_print_report(json, outcome);
-    PLUMBLINE_TRY(json.finish());
-    return file->close();
+    return write_whole_file(report_path(options_).c_str(), [&outcome](TextSink& out) {
+      JsonWriter json(out);
+      write_print_report(json, outcome);
+      return json.finish();
+    });
   }
   /// Keeps the report and the preview with those of the prints before.
   Status keep(const PrintOutcome& outcome) {
@@ -144,7 +168,7 @@ class DaemonLog final : public DaemonObserver {
     print.layers_done = outcome.report.next_layer;
     print.scan = outcome.session.facts().scan;
     print.profile = outcome.session.facts().profile;
-    print.ended_at = std::time(nullptr);
+    print.ended_at = wall_clock_s();
     print.resin_ml = outcome.report.resin_ml;
     std::span<const std::byte> png;
     if (record_.pictures != nullptr && record_.pictures->preview.there()) {
@@ -162,7 +186,7 @@ class DaemonLog final : public DaemonObserver {
         png);
   }
   void look_around() {
-    if (interrupted()) end();
+    look_for_signals();
     if (witness_ == nullptr) return;
     const bool there = is_folder(options_.simulation.stick);
     if (there == plugged_) return;
@@ -191,9 +215,12 @@ class DaemonLog final : public DaemonObserver {
   const PrinterRecord& record_;
   SmallPngEncoder encoder_;
   PrintLines lines_{PrintLines::Show::kPrint, std::nullopt};
+  /// A print has some dozens. Whoever gives commands without an end writes one a second.
+  LogBound log_bound_{{.burst = 200, .a_second = 1}};
   bool plugged_ = false;
   bool ended_ = false;
   std::uint32_t jobs_ = 0;
+  std::size_t objections_told_ = 0;  ///< of the witness's
 };
 
 ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
@@ -212,8 +239,12 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   if (!child) return report_error(child.error());
   auto store = JobStore::open(options.state);
   if (!store) return report_error(store.error());
-  auto plate = PlateRecord::open(options.state);
-  if (!plate) return report_error(plate.error());
+  const bool simulated = machine->simulated || options.simulation.simulate;
+  auto remembered = open_machine_record(options.state, *store, machine->tank_volume_ml, simulated);
+  if (!remembered) return report_error(remembered.error());
+  if (remembered->was_damaged()) {
+    write_line("plumblined: what the printer remembers was damaged: the plate counts as in use, the resin as unknown");
+  }
   auto prints = KeptPrints::open(options.state, [](std::string_view text) {
     FixedText<240> line;
     line.add("plumblined: %.*s", static_cast<int>(text.size()), text.data());
@@ -232,9 +263,9 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   simulation.stick.clear();  // the log plugs it in when its folder is there
   // A damaged journal is reported when the user asks to resume.
   if (const auto progress = store->progress()) {
-    simulation.layers_on_plate = progress->next_layer;
-    simulation.height_on_plate = progress->height;
-    simulation.plate_at = progress->stands;
+    simulation.layers_on_plate = progress->last.next_layer;
+    simulation.height_on_plate = progress->last.height;
+    simulation.plate_at = progress->last.stands;
   }
   auto back_end = open_back_end(*board, *machine, *profile, simulation);
   if (!back_end) return report_error(back_end.error());
@@ -249,6 +280,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   DaemonLog log(options, **back_end, *manager, *prints, record, std::move(*encoder));
   const Machine& devices = (*back_end)->machine();
   ServiceEvents events(devices.events, devices.clock, *manager);
+  events.at_each_look = [&log] { log.look_for_signals(); };
   Machine watched{.clock = devices.clock,
                   .events = events,
                   .mask = devices.mask,
@@ -258,7 +290,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
                   .panel = devices.panel,
                   .thermals = devices.thermals,
                   .screen = devices.screen};
-  PrinterDaemon daemon(watched, settings, *child, arena, *store, *plate, log, record, &uploads);
+  PrinterDaemon daemon(watched, settings, *child, arena, *store, *remembered, log, record, &uploads);
   std::optional<ScreenServer> screen;
   if (watched.screen != nullptr) screen.emplace(*watched.screen, machine->language);
   events.serve(**socket, record, daemon.commands(), screen ? &*screen : nullptr, &uploads);
@@ -290,7 +322,9 @@ ExitCode run_daemon_command_line(int argc, char** argv, std::size_t largest_aren
   constexpr const char* kSimulation = "Simulation";
   app.add_flag("--simulate", options.simulation.simulate, "Simulate the printer even if it is a real one")
       ->group(kSimulation);
-  app.add_option("--stick", options.simulation.stick, "Folder that plays the stick: plugged in while the folder exists")
+  app.add_option("--stick", options.simulation.stick,
+                 "Folder that plays the stick: plugged in while the folder exists. Folders named like it with .2, .3, "
+                 "... are further partitions")
       ->type_name("DIR")
       ->group(kSimulation);
   app.add_option("--screen", options.simulation.screen,

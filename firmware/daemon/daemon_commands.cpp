@@ -14,21 +14,44 @@
 namespace plumbline {
 
 Expected<std::optional<EventKind>> DaemonCommands::take(const ClientRequest& request) {
-  if (const auto button = button_of(request.command)) {
-    answers_.answer_by_command();
-    return button;
+  if (request.about == 0 && answers_question(record_, request.command) && answers_.is_new()) {
+    return telling(
+        Told(PrinterCode::kAnswerSoon),
+        fail(ErrorCode::kBadSetting,
+             "the printer has asked that for less than a second, so nothing was done.\tLook at what it asks, "
+             "then send it again, or name the question with \"for\""));
   }
+  if (const auto button = button_of(request.command)) return button;
   if (request.command == Command::kCode) {
     observer_.show_code(request.code.view());
     return std::nullopt;
   }
+  if (request.command == Command::kFilled) return fill_tank(request.ml);
   if (request.command == Command::kRemove) return remove_upload(request.name.view());
+  if (contract != nullptr && request.command == Command::kSet) {
+    PLUMBLINE_TRY(contract->set(request.key.view(), request.value.view()));
+    return std::nullopt;
+  }
   if (offer == nullptr)
     return telling(Told(PrinterCode::kCommandNotNow), fail(ErrorCode::kBadSetting, "nothing is offered"));
   PLUMBLINE_TRY(offer->change(request));
-  if (request.command != Command::kPropose) return std::nullopt;
+  if (request.command != Command::kPropose && request.command != Command::kOpen) return std::nullopt;
   // The offer remembers that this start is none.
-  answers_.answer_by_command();
+  return EventKind::kStartPressed;
+}
+
+/// @returns start, if a print has asked for resin: that answers it
+Expected<std::optional<EventKind>> DaemonCommands::fill_tank(std::optional<double> ml) {
+  const double tank_ml = machine_.tank_ml();
+  if (ml && !(*ml <= tank_ml)) {
+    return telling(Told(PrinterCode::kTankSmaller, {{PrinterFact::kTankMl, tank_ml}}),
+                   fail(ErrorCode::kBadSetting, "a full tank holds %.0f ml", tank_ml));
+  }
+  PLUMBLINE_TRY(machine_.fill(ml.value_or(tank_ml)));
+  FixedText<80> text;
+  text.add("the tank was filled: it holds %.1f ml", machine_.filled_ml());
+  observer_.tell(text.view(), {PrinterCode::kTankFilled, {{PrinterFact::kLeftMl, machine_.filled_ml()}}});
+  if (record_.state != PrintState::kFeedMe) return std::nullopt;
   return EventKind::kStartPressed;
 }
 
@@ -40,7 +63,6 @@ Expected<std::optional<EventKind>> DaemonCommands::remove_upload(std::string_vie
   if (record_.scans_uploaded) observer_.forget_scans();
   if (!removed) observer_.tell(removed.error().message(), removed.error().told());
   if (record_.state != PrintState::kOffered || !of_upload) return std::nullopt;
-  answers_.answer_by_command();
   return EventKind::kCancelPressed;
 }
 

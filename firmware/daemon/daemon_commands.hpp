@@ -5,10 +5,12 @@
 #include <string_view>
 
 #include "firmware/daemon/answers.hpp"
+#include "firmware/daemon/offered_contract.hpp"
 #include "firmware/daemon/offered_masks.hpp"
 #include "firmware/daemon/state_recorder.hpp"
 #include "firmware/daemon/stick_offer.hpp"
 #include "firmware/daemon/upload/uploads.hpp"
+#include "firmware/print/store/machine_record.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "firmware/state/state_socket.hpp"
 
@@ -17,11 +19,17 @@ namespace plumbline {
 class DaemonCommands final : public CommandTaker {
  public:
   /// All must outlive it.
+  /// @param machine      gets what people say of the tank
   /// @param uploads      null: none are taken
   /// @param report_path  of the last print's report
-  DaemonCommands(const PrinterRecord& record, StateRecorder& observer, Answers& answers, Uploads* uploads,
-                 const std::string& report_path)
-      : record_(record), observer_(observer), answers_(answers), uploads_(uploads), report_path_(report_path) {}
+  DaemonCommands(const PrinterRecord& record, StateRecorder& observer, Answers& answers, MachineRecord& machine,
+                 Uploads* uploads, const std::string& report_path)
+      : record_(record),
+        observer_(observer),
+        answers_(answers),
+        machine_(machine),
+        uploads_(uploads),
+        report_path_(report_path) {}
 
   /// Called while the daemon waits for an event. A command that answers a question becomes the button that does.
   Expected<std::optional<EventKind>> take(const ClientRequest& request) override;
@@ -29,16 +37,19 @@ class DaemonCommands final : public CommandTaker {
   Expected<std::uint32_t> take_upload(const ClientRequest& upload, Descriptor from) override;
   Expected<ReportPart> read_report(std::uint64_t from, std::span<std::byte> out) override;
 
-  StickOffer* offer = nullptr;    ///< that somebody is asked about; null: none
-  OfferedMasks* masks = nullptr;  ///< the same, of what has been sliced
-  bool of_upload = false;         ///< what is offered was uploaded
+  StickOffer* offer = nullptr;          ///< that somebody is asked about; null: none
+  OfferedContract* contract = nullptr;  ///< the same, of what has been sliced
+  OfferedMasks* masks = nullptr;        ///< of the same
+  bool of_upload = false;               ///< what is offered was uploaded
 
  private:
+  Expected<std::optional<EventKind>> fill_tank(std::optional<double> ml);
   Expected<std::optional<EventKind>> remove_upload(std::string_view name);
 
   const PrinterRecord& record_;
   StateRecorder& observer_;
   Answers& answers_;
+  MachineRecord& machine_;
   Uploads* uploads_;
   const std::string& report_path_;
 };

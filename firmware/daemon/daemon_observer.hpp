@@ -13,8 +13,12 @@ class DaemonObserver : public PrintObserver, public SlicingObserver {
  public:
   /// "ready", "reading bust.ply", ...
   virtual void say(const PrintableText& text) = 0;
+  /// Called before a print begins or goes on, with what it will do.
+  virtual void begins(const Contract& contract) = 0;
   /// Called when a print has ended, for any reason.
   virtual void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) = 0;
+  /// Somebody has taken off what was on the plate.
+  virtual void plate_emptied() {}
   /// Called several times a second while nothing is printed.
   virtual void idle() = 0;
 };

@@ -21,6 +21,7 @@ struct DaemonSettings {
   std::string report_path;            ///< of the last print's report
   std::uint32_t threads = 1;
   std::chrono::nanoseconds slicing_patience = kSlicingPatience;
+  std::uint64_t id_seed = 0;  ///< of the ids of jobs and questions: see RandomIds
 
   /// Reads a profile.
   /// @param name  not a path: a stick must not reach the printer's files; empty: the printer's profile

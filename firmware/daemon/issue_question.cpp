@@ -2,7 +2,6 @@
 
 #include <string_view>
 
-#include "firmware/daemon/sliced_record.hpp"
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/slice/issue_report.hpp"
 
@@ -18,15 +17,23 @@ CheckAction IssueQuestion::action() const { return verdict(findings_, policy_); 
 
 Error IssueQuestion::refusal() const { return judge(findings_, grid_, policy_).error(); }
 
-Expected<bool> IssueQuestion::ask(const SlicedRecord& sliced, Answers& answers, StateRecorder& recorder) const {
-  FixedText<400> text;
-  if (action() == CheckAction::kAsk) {
-    text.add("found in the layers: %s. Press start to print it all the same, or cancel",
-             issue_counts(findings_, policy_, CheckAction::kAsk).c_str());
-  } else {
-    text.add("%s. Press start to print it, or cancel", sliced_line(sliced).c_str());
-  }
-  recorder.say(text.view());
+Expected<bool> IssueQuestion::ask(OfferedContract& offered, Answers& answers, StateRecorder& recorder) const {
+  const auto say = [&] {
+    FixedText<512> text;
+    for_each_doubt(offered.contract(), offered.name(), [&text](const Told&, std::string_view sentence) {
+      text.add("%.*s. ", static_cast<int>(sentence.size()), sentence.data());
+    });
+    if (action() == CheckAction::kAsk) {
+      text.add("Found in the layers: %s. ", issue_counts(findings_, policy_, CheckAction::kAsk).c_str());
+    }
+    const bool doubtful = !text.view().empty();
+    if (!doubtful) text.add("%s. ", size_line(offered.contract()).c_str());
+    text.add("Press start to print it%s, or cancel", doubtful ? " all the same" : "");
+    recorder.say(text.view());
+  };
+  answers.put();
+  say();
+  offered.changed = say;
   while (!answers.shutdown()) {
     const auto answer = answers.ask();
     PLUMBLINE_TRY(answer);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "firmware/daemon/answers.hpp"
+#include "firmware/daemon/offered_contract.hpp"
 #include "firmware/daemon/state_recorder.hpp"
 #include "firmware/settings/check_policy.hpp"
 #include "slicer/checks/stack_findings.hpp"
@@ -21,9 +22,10 @@ class IssueQuestion {
   CheckAction action() const;
   /// @pre action() is CheckAction::kRefuse
   Error refusal() const;
-  /// Asks a person whether to print it, with what was found if anything was.
+  /// Asks a person whether to print it, with what was found and what is doubtful.
+  /// @param offered  may change meanwhile
   /// @returns false: it was declined, or the system shuts down
-  [[nodiscard]] Expected<bool> ask(const SlicedRecord& sliced, Answers& answers, StateRecorder& recorder) const;
+  [[nodiscard]] Expected<bool> ask(OfferedContract& offered, Answers& answers, StateRecorder& recorder) const;
 
  private:
   const StackFindings& findings_;

@@ -9,20 +9,17 @@ namespace plumbline {
 
 Expected<std::unique_ptr<OfferedArchiveMasks>> OfferedArchiveMasks::create(int file, std::string_view name,
                                                                            const SlicedArchive& sliced,
-                                                                           const PrintProfile& profile,
-                                                                           const MachineFile& machine,
+                                                                           const PrintPlan& plan,
                                                                            ChildLayerDecoder& decoder, Arena& arena) {
   const PrintGrid& grid = sliced.grid;
   std::unique_ptr<OfferedArchiveMasks> offered(new OfferedArchiveMasks(file, name, sliced, decoder, arena));
-  const auto plan = plan_print(profile, machine, static_cast<double>(grid.layer_height_mm), grid.layers);
-  PLUMBLINE_TRY(plan);
   PLUMBLINE_TRY(decoder.prepare(grid, arena));
   const std::size_t words = BitImage::words_needed(grid.columns, grid.rows);
   const auto both = arena.take_bottom<std::uint64_t>(2 * words, "masks");
   PLUMBLINE_TRY(both);
   offered->decoded_.emplace(grid, BitImage(both->first(words), grid.columns, grid.rows));
   offered->mask_ = BitImage(both->last(words), grid.columns, grid.rows);
-  const auto masks = MaskRenderer::create(*offered->decoded_, *plan, arena);
+  const auto masks = MaskRenderer::create(*offered->decoded_, plan, arena);
   PLUMBLINE_TRY(masks);
   offered->masks_ = *masks;
   return offered;
@@ -63,7 +60,7 @@ Expected<bool> OfferedArchiveMasks::draw(std::uint32_t layer, LayerPicture& pict
 void OfferedArchiveMasks::look() {
   if (!asked_) return;
   const auto finished = decoder_.finish(std::chrono::milliseconds(0), decoded_->image());
-  const bool hangs = finished && !*finished && HostClock::now() - asked_at_ > ChildLayerDecoder::kPatience;
+  const bool hangs = finished && !*finished && HostClock::now() - asked_at_ > decoder_.patience().layer;
   if (finished && !*finished && !hangs) return;
   done_ = std::exchange(asked_, std::nullopt);
   problem_.reset();

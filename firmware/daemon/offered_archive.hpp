@@ -21,13 +21,10 @@ class OfferedArchiveMasks final : public OfferedMasks {
   /// Takes two masks from the bottom of the arena, and what the decoder needs from its top.
   /// @param file     the archive's descriptor; must stay open
   /// @param sliced   must outlive it, as must the decoder and the arena
-  /// @param profile  with the archive's exposures
   /// @retval ErrorCode::kOutOfMemory
-  /// @retval the errors of plan_print()
   [[nodiscard]] static Expected<std::unique_ptr<OfferedArchiveMasks>> create(int file, std::string_view name,
                                                                              const SlicedArchive& sliced,
-                                                                             const PrintProfile& profile,
-                                                                             const MachineFile& machine,
+                                                                             const PrintPlan& plan,
                                                                              ChildLayerDecoder& decoder, Arena& arena);
   ~OfferedArchiveMasks() override;
   OfferedArchiveMasks(const OfferedArchiveMasks&) = delete;

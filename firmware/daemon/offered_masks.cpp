@@ -1,24 +1,19 @@
 #include "firmware/daemon/offered_masks.hpp"
 
-#include "firmware/print/plan/print_plan.hpp"
-
 namespace plumbline {
 
 tl::unexpected<Error> no_such_layer(std::uint32_t layer, std::uint32_t layers) {
   return fail(ErrorCode::kBadSetting, "there is no layer %u: the last one is %u", layer, layers - 1);
 }
 
-Expected<std::unique_ptr<OfferedScanMasks>> OfferedScanMasks::create(const SlicedScan& sliced,
-                                                                     const PrintProfile& profile,
-                                                                     const MachineFile& machine, Arena& arena) {
+Expected<std::unique_ptr<OfferedScanMasks>> OfferedScanMasks::create(const SlicedScan& sliced, const PrintPlan& plan,
+                                                                     Arena& arena) {
   const PrintGrid& grid = sliced.rrep.grid;
   std::unique_ptr<OfferedScanMasks> offered(new OfferedScanMasks(arena));
-  const auto plan = plan_print(profile, machine, static_cast<double>(grid.layer_height_mm), grid.layers);
-  PLUMBLINE_TRY(plan);
   const auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena);
   PLUMBLINE_TRY(stream);
   offered->stream_.emplace(*stream);
-  const auto masks = MaskRenderer::create(*offered->stream_, *plan, arena);
+  const auto masks = MaskRenderer::create(*offered->stream_, plan, arena);
   PLUMBLINE_TRY(masks);
   offered->masks_ = *masks;
   const auto words = arena.take_bottom<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), "mask");

@@ -32,10 +32,8 @@ class OfferedScanMasks final : public OfferedMasks {
   /// Takes a mask stream and a mask from the bottom of the arena.
   /// @param sliced  must outlive it, as must the arena
   /// @retval ErrorCode::kOutOfMemory
-  /// @retval the errors of plan_print()
   [[nodiscard]] static Expected<std::unique_ptr<OfferedScanMasks>> create(const SlicedScan& sliced,
-                                                                          const PrintProfile& profile,
-                                                                          const MachineFile& machine, Arena& arena);
+                                                                          const PrintPlan& plan, Arena& arena);
   ~OfferedScanMasks() override { arena_.release_bottom(mark_); }
   OfferedScanMasks(const OfferedScanMasks&) = delete;
   OfferedScanMasks& operator=(const OfferedScanMasks&) = delete;

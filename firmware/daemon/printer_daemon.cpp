@@ -9,10 +9,10 @@
 #include "firmware/daemon/issue_question.hpp"
 #include "firmware/daemon/offered_archive.hpp"
 #include "firmware/daemon/scan_glances.hpp"
-#include "firmware/daemon/sliced_record.hpp"
 #include "firmware/daemon/stick/stick_reports.hpp"
 #include "firmware/daemon/stick/stick_words.hpp"
 #include "firmware/daemon/stick_request.hpp"
+#include "firmware/print/sliced_contract.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
 #include "firmware/told/printer_code.hpp"
@@ -32,35 +32,39 @@ namespace {
 }  // namespace
 
 PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, SlicingChild& child, Arena& arena,
-                             JobStore& store, PlateRecord& plate, DaemonObserver& observer, PrinterRecord& record,
-                             Uploads* uploads)
+                             JobStore& store, MachineRecord& machine_record, DaemonObserver& observer,
+                             PrinterRecord& record, Uploads* uploads)
     : machine_(machine),
       settings_(settings),
       child_(child),
       arena_(arena),
       store_(store),
-      plate_(plate),
+      machine_record_(machine_record),
       record_(record),
-      observer_(record, machine.stick, observer),
+      observer_(record, machine.stick, observer, settings.id_seed),
       slicing_(child, machine, arena, observer_, settings.slicing_patience),
       decoder_(child, printer_volume(settings.board)),
       answers_(machine, record, observer_),
       uploads_(uploads),
-      commands_(record, observer_, answers_, uploads, settings.report_path) {
+      commands_(record, observer_, answers_, machine_record, uploads, settings.report_path) {
   record.state = PrintState::kIdle;
+  record.machine = &machine_record;
   assign(record.printer, settings.board.name);
   record.simulated = settings.machine.simulated;
-  record.has_report = ::access(settings.report_path.c_str(), R_OK) == 0;
+  record.has_report = has_report();
   for (const std::string& name : settings.profiles) {
     if (record.profile_count < record.profiles.size()) assign(record.profiles[record.profile_count++], name);
   }
 }
+
+bool PrinterDaemon::has_report() const { return ::access(settings_.report_path.c_str(), R_OK) == 0; }
 
 void PrinterDaemon::apply(PrintEvent event) {
   const PrintState before = record_.state;
   record_.state = next(before, event);
   if (event == PrintEvent::kAcknowledged) record_.fault.reset();
   if (record_.state == before) return;
+  record_.asks = 0;  // no answer to what was asked before counts in another state
   if (record_.state == PrintState::kIdle) told_ready_ = false;
   show_on_panel(machine_.panel, record_.state);
 }
@@ -95,14 +99,19 @@ Status PrinterDaemon::serve() {
   return serve_idle();
 }
 
-/// Leaves the idle state if a print is stored, or if its part is on the plate. No job is offered before that.
+/// Leaves the idle state if there is a fault that nobody has seen, if a print is stored, or if its part is on the plate. No job is
+/// offered before that.
 Status PrinterDaemon::settle() {
   if (record_.state != PrintState::kIdle) return {};
-  const auto interrupted = has_interrupted_print(store_, plate_);
+  if (machine_record_.fault_count() > 0) {
+    show_unseen_fault();
+    return {};
+  }
+  const auto interrupted = has_interrupted_print(store_, machine_record_);
   PLUMBLINE_TRY(interrupted);
   if (*interrupted) {
     apply(PrintEvent::kResumeOffered);
-  } else if (!plate_.is_empty()) {
+  } else if (!machine_record_.plate_is_empty()) {
     apply(PrintEvent::kPlateTaken);
   }
   return {};
@@ -133,12 +142,14 @@ Status PrinterDaemon::serve_idle() {
 
 /// A print was interrupted and its part hangs in the printer, so nothing moves until the user decides.
 Status PrinterDaemon::serve_interrupted() {
+  answers_.put();
   observer_.say("an interrupted print can go on: press start to resume it, or cancel to give it up");
   while (!ending()) {
     const auto answer = answers_.ask();
     PLUMBLINE_TRY(answer);
     if (*answer == EventKind::kStartPressed) return resume();
     if (*answer != EventKind::kCancelPressed) continue;
+    PLUMBLINE_TRY(machine_record_.keep());  // what the journal has, if it could not be kept before
     PLUMBLINE_TRY(store_.end());
     apply(PrintEvent::kCancelAsked);
     break;
@@ -147,13 +158,15 @@ Status PrinterDaemon::serve_interrupted() {
 }
 
 Status PrinterDaemon::serve_plate() {
+  answers_.put();
   observer_.say("is the plate empty? Take off what is on it, then press start");
   while (!ending()) {
     const auto answer = answers_.ask();
     PLUMBLINE_TRY(answer);
     if (*answer == EventKind::kStickArrived) scans_came();
     if (*answer != EventKind::kStartPressed) continue;
-    PLUMBLINE_TRY(plate_.confirm_empty());
+    PLUMBLINE_TRY(machine_record_.confirm_empty());
+    observer_.plate_emptied();
     // Offers what was printed again. A rig's stick would start again, so there it has to be plugged in anew, after the print.
     if (commands_.of_upload)
       upload_served_ = false;
@@ -165,14 +178,25 @@ Status PrinterDaemon::serve_plate() {
   return {};
 }
 
-/// Shows a fault until somebody has seen it. Whoever changes the stick has seen that its job was refused; the fault of a print
-/// takes a button.
+/// One of an earlier run of the program.
+void PrinterDaemon::show_unseen_fault() {
+  const auto [code, finding] = machine_record_.fault(0);
+  const FaultText fault = explain(code, finding);
+  apply(PrintEvent::kFailed);
+  record_.set_fault(code, finding, fault.advice.view());
+  observer_.say(fault.what.view());
+}
+
+/// Shows a fault until somebody has seen it. Whoever plugs in a stick or uploads a scan has seen that the job before was refused; the
+/// fault of a print takes a button. A stick that goes proves nothing: a bad contact is enough.
 Status PrinterDaemon::serve_fault() {
+  answers_.put();
   while (!ending()) {
     const auto answer = answers_.ask();
     PLUMBLINE_TRY(answer);
     const bool button = *answer == EventKind::kStartPressed || *answer == EventKind::kCancelPressed;
-    if (!button && !plate_.is_empty()) continue;
+    if (!button && (*answer != EventKind::kStickArrived || !machine_record_.plate_is_empty())) continue;
+    PLUMBLINE_TRY(machine_record_.fault_seen());
     if (button || !has_new_upload())
       (commands_.of_upload ? upload_served_ : served_) = *answer == EventKind::kCancelPressed;
     apply(PrintEvent::kAcknowledged);
@@ -197,6 +221,9 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount,
     glances.stop();
     PLUMBLINE_TRY(asked);
     answer = *asked;
+    const auto opened = offer->open_folder(mount, slicing_);
+    PLUMBLINE_TRY(opened);
+    if (*opened) continue;
     if (!offer->take_wish()) break;
     PLUMBLINE_TRY(propose(mount, *offer));
   } while (!ending());
@@ -210,8 +237,9 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount,
 /// The job is offered again afterwards, also if somebody has stopped it.
 Status PrinterDaemon::propose(const StickMount& mount, StickOffer& offer) {
   const StickJob& job = offer.job();
-  const auto profile = settings_.profile(job.profile);
+  auto profile = settings_.profile(job.profile);
   PLUMBLINE_TRY(profile);
+  set_values(*profile, job.print_values(), ValueSource::kPerson);
   auto scan = open_scan(job, mount);
   PLUMBLINE_TRY(scan);
   auto request = stick_request(job, *scan, *profile, settings_);
@@ -233,43 +261,53 @@ Status PrinterDaemon::propose(const StickMount& mount, StickOffer& offer) {
   return {};
 }
 
-/// Says what the checks of the masks have found. Asks whether to print it, if the profile or the board file wants that.
+/// Says what will be done and what the checks of the masks have found. Asks whether to print it, if the profile or the board file wants
+/// that, or if something is doubtful.
 /// @returns whether to print it. If not, the state says why
-Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings,
-                                     const PrintProfile& profile, OfferedMasks* masks) {
-  const auto record = sliced_record(grid, extent, findings, profile, settings_.machine);
-  PLUMBLINE_TRY(record);
-  record_.sliced = *record;
-  record_.slicing.reset();
-  const IssueQuestion question(findings, grid, profile.checks);
+Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const StackFindings& findings, OfferedContract& offered,
+                                     const CheckPolicy& policy, OfferedMasks* masks) {
+  offered.tell();
+  const IssueQuestion question(findings, grid, policy);
   question.tell(observer_);
   if (question.action() == CheckAction::kRefuse) {
     refuse(question.refusal(), FaultCode::kIssueFound);
     return false;
   }
-  const bool asks = question.action() == CheckAction::kAsk || settings_.machine.start == StartChoice::kAfterPreview;
-  if (!asks) return true;
-  apply(PrintEvent::kJobOffered);
-  commands_.masks = masks;
-  record_.has_masks = masks != nullptr;
-  const auto accepted = question.ask(*record, answers_, observer_);
-  commands_.masks = nullptr;
-  record_.has_masks = false;
-  PLUMBLINE_TRY(accepted);
-  apply(*accepted ? PrintEvent::kJobTaken : PrintEvent::kCancelAsked);
-  return *accepted;
+  const bool asks = question.action() == CheckAction::kAsk || settings_.machine.start == StartChoice::kAfterPreview ||
+                    offered.contract().doubts != 0;
+  if (asks) {
+    apply(PrintEvent::kJobOffered);
+    commands_.contract = &offered;
+    commands_.masks = masks;
+    record_.has_masks = masks != nullptr;
+    const auto accepted = question.ask(offered, answers_, observer_);
+    commands_.contract = nullptr;
+    commands_.masks = nullptr;
+    record_.has_masks = false;
+    PLUMBLINE_TRY(accepted);
+    apply(*accepted ? PrintEvent::kJobTaken : PrintEvent::kCancelAsked);
+    if (!*accepted) return false;
+  }
+  return true;
 }
 
-Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const ReadJob& job) {
+Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, ReadJob& job) {
   const SlicedScan& sliced = job.scan->sliced;
+  const std::string_view name = job.request.name.view();
+  const auto make = [&](const PrintProfile& profile) {
+    return contract_of(sliced, job.request.settings, profile, settings_.machine);
+  };
+  auto contract = make(job.profile);
+  PLUMBLINE_TRY(contract);
   {
     // Without room for them there are none to look at.
-    const auto masks = OfferedScanMasks::create(sliced, job.profile, settings_.machine, arena_);
+    const auto masks = OfferedScanMasks::create(sliced, contract->plan, arena_);
+    OfferedContract offered(name, *contract, job.profile, make, observer_);
     const auto wanted =
-        accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, job.profile, masks ? masks->get() : nullptr);
+        accept(sliced.rrep.grid, sliced.findings, offered, job.profile.checks, masks ? masks->get() : nullptr);
     if (!wanted || !*wanted) return wanted;
   }
-  PLUMBLINE_TRY(session.take(sliced, job.request.name.view(), job.profile));
+  PLUMBLINE_TRY(session.take(sliced, name, job.profile.name, *contract));
   return true;
 }
 
@@ -279,16 +317,22 @@ Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, ReadJob& jo
   const auto sliced = slicing_.check(copy.file.get(), job.request);
   PLUMBLINE_TRY(sliced);
   observer_.previewed(child_.pictures());
-  job.profile = profile_of(job.profile, sliced->settings, name);
+  for_each_remark(*sliced, [this](const Told& told, std::string_view remark) { observer_.warn(remark, told); });
+  auto profile = profile_of(job.profile, sliced->settings, name, job.by_person);
+  PLUMBLINE_TRY(profile);
+  job.profile = *profile;
+  const auto make = [&](const PrintProfile& changed) { return contract_of(*sliced, changed, settings_.machine); };
+  auto contract = make(job.profile);
+  PLUMBLINE_TRY(contract);
   {
     // Without room for them there are none to look at.
-    const auto masks =
-        OfferedArchiveMasks::create(copy.file.get(), name, *sliced, job.profile, settings_.machine, decoder_, arena_);
+    const auto masks = OfferedArchiveMasks::create(copy.file.get(), name, *sliced, contract->plan, decoder_, arena_);
+    OfferedContract offered(name, *contract, job.profile, make, observer_);
     const auto wanted =
-        accept(sliced->grid, sliced->extent, sliced->findings, job.profile, masks ? masks->get() : nullptr);
+        accept(sliced->grid, sliced->findings, offered, job.profile.checks, masks ? masks->get() : nullptr);
     if (!wanted || !*wanted) return wanted;
   }
-  PLUMBLINE_TRY(session.take(*sliced, name, job.profile, std::move(copy.file), copy.hash));
+  PLUMBLINE_TRY(session.take(*sliced, name, job.profile.name, *contract, std::move(copy.file), copy.hash));
   return true;
 }
 
@@ -352,8 +396,9 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
 /// Takes all that the print needs from a mounted stick, so that it may be pulled afterwards.
 /// @param read  out: several kilobytes
 Status PrinterDaemon::read_job(const StickMount& mount, const StickJob& job, std::optional<ReadJob>& read) {
-  const auto profile = settings_.profile(job.profile);
+  auto profile = settings_.profile(job.profile);
   PLUMBLINE_TRY(profile);
+  set_values(*profile, job.print_values(), ValueSource::kPerson);
   auto scan = open_scan(job, mount);
   PLUMBLINE_TRY(scan);
   apply(PrintEvent::kJobTaken);
@@ -362,7 +407,7 @@ Status PrinterDaemon::read_job(const StickMount& mount, const StickJob& job, std
   observer_.say(text.view());
   const auto request = stick_request(job, *scan, *profile, settings_);
   PLUMBLINE_TRY(request);
-  read.emplace(ReadJob{*request, *profile, {}, {}, {}});
+  read.emplace(ReadJob{*request, *profile, {}, {}, {}, job.print_values()});
   if (!record_.has_job_file) read->offered = job;
   if (is_archive_name(job.scans[0])) {
     auto copied = slicing_.copy(mount, scan->front(), store_);
@@ -382,6 +427,7 @@ Status PrinterDaemon::read_job(const StickMount& mount, const StickJob& job, std
 
 /// Prints what was read, unless its checks or somebody who is asked about them forbid it.
 Status PrinterDaemon::print_job(PrintSession& session, ReadJob& job) {
+  session.set_id(record_.job_id);
   for (const RequestedFile& file : job.request.files()) session.add_scan_file(file.name.view());
   const auto ready = job.archive ? prepare_archive(session, job) : prepare_scan(session, job);
   if (job.archive && (!ready || !*ready)) store_.drop_received();
@@ -398,6 +444,8 @@ Status PrinterDaemon::resume() {
   PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
   const auto loaded = session.load();
   if (!loaded) {
+    // Nothing is wrong with the journal: the process that decodes layers is gone. The next daemon resumes.
+    if (child_.gone()) return tl::unexpected<Error>(loaded.error());
     const bool another = loaded.error().code() == ErrorCode::kUnsupported;
     refuse(loaded.error(), another ? FaultCode::kJournalOfAnother : FaultCode::kJournalDamaged);
     return {};
@@ -412,15 +460,23 @@ Status PrinterDaemon::resume() {
 
 void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
   record_.resin = ResinRecord{session.needed_ml(), settings_.machine.tank_volume_ml};
-  const PrintReport& report = session.print(machine_, observer_, &plate_);
+  observer_.begins(session.contract());
+  const PrintReport& report = session.print(machine_, observer_, &machine_record_);
   observer_.printed(report, session, profile);
+  record_.has_report = has_report();
   store_reports();
   // Don't print the same stick again until it is plugged in anew.
   if (!commands_.of_upload) served_ = machine_.stick.has_stick();
   fault_ = report.fault;
+  if (report.state == PrintState::kFault) keep_fault(report.fault, report.fault_message.view());
   // The print has left the record in its last state. A fault stays until somebody has seen it; after any other end, settle() asks for
   // the plate.
   if (report.state == PrintState::kFinished || report.state == PrintState::kCancelled) apply(PrintEvent::kAcknowledged);
+}
+
+/// If the storage fails, the fault is shown all the same, until the printer is switched off.
+void PrinterDaemon::keep_fault(FaultCode code, std::string_view finding) {
+  static_cast<void>(machine_record_.add_fault(code, finding));
 }
 
 /// Says why a job could not be printed, or that the user stopped it.
@@ -433,6 +489,7 @@ void PrinterDaemon::refuse(const Error& error, FaultCode code) {
     return;
   }
   fault_ = code;
+  keep_fault(code, error.finding());
   apply(PrintEvent::kFailed);
   observer_.refused(code, error);
 }

@@ -19,7 +19,7 @@
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/print/store/job_store.hpp"
-#include "firmware/print/store/plate_record.hpp"
+#include "firmware/print/store/machine_record.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "firmware/state/state_socket.hpp"
@@ -33,9 +33,11 @@ class PrinterDaemon {
   /// All must outlive the daemon.
   /// @param arena   over the child's arena_block()
   /// @param record  what the daemon does is written there
+  /// @param machine_record  what the printer remembers
   /// @param uploads  null: none are taken
   PrinterDaemon(Machine& machine, const DaemonSettings& settings, SlicingChild& child, Arena& arena, JobStore& store,
-                PlateRecord& plate, DaemonObserver& observer, PrinterRecord& record, Uploads* uploads = nullptr);
+                MachineRecord& machine_record, DaemonObserver& observer, PrinterRecord& record,
+                Uploads* uploads = nullptr);
 
   /// Prints jobs until the system shuts down.
   /// @retval ErrorCode::kPowerLost
@@ -53,9 +55,11 @@ class PrinterDaemon {
     std::optional<CheckedAnswer> scan;          ///< sliced; or
     std::optional<JobStore::Received> archive;  ///< copied
     std::optional<StickJob> offered;            ///< none: it came from a job file
+    PrintValues by_person{};                    ///< what the job says of the print's values
   };
 
   void apply(PrintEvent event);  ///< the one place that changes the state between prints
+  bool has_report() const;       ///< that of the last print is there
   bool ending() const;           ///< the system shuts down
   Status serve();
   Status settle();
@@ -63,6 +67,7 @@ class PrinterDaemon {
   Status serve_interrupted();
   Status serve_plate();
   Status serve_fault();
+  void show_unseen_fault();
   bool has_new_upload() const;
   void scans_came();
   Status serve_upload();
@@ -76,10 +81,10 @@ class PrinterDaemon {
   /// Tells what the checks found, then refuses the job, asks a person or goes on, as the policy and the board file say.
   /// @param masks  to look at meanwhile; may be null
   /// @returns whether to go on
-  Expected<bool> accept(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings,
-                        const PrintProfile& profile, OfferedMasks* masks);
+  Expected<bool> accept(const PrintGrid& grid, const StackFindings& findings, OfferedContract& offered,
+                        const CheckPolicy& policy, OfferedMasks* masks);
   /// Prepares a session to print what was read, if somebody wants it.
-  Expected<bool> prepare_scan(PrintSession& session, const ReadJob& job);
+  Expected<bool> prepare_scan(PrintSession& session, ReadJob& job);
   /// The same for an archive that was copied; a child checks it first. The job's profile gets the archive's exposures.
   Expected<bool> prepare_archive(PrintSession& session, ReadJob& job);
   /// Writes reports onto the stick if it asks for them. What goes wrong is only said.
@@ -87,6 +92,7 @@ class PrinterDaemon {
   bool store_reports();
   Status resume();
   void print(PrintSession& session, const PrintProfile& profile);
+  void keep_fault(FaultCode code, std::string_view finding);
   void refuse(const Error& error, FaultCode code);
 
   Machine& machine_;
@@ -94,7 +100,7 @@ class PrinterDaemon {
   SlicingChild& child_;
   Arena& arena_;
   JobStore& store_;
-  PlateRecord& plate_;
+  MachineRecord& machine_record_;
   PrinterRecord& record_;  ///< holds the state
   StateRecorder observer_;
   ScanSlicing slicing_;

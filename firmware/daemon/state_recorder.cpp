@@ -1,9 +1,9 @@
 #include "firmware/daemon/state_recorder.hpp"
 
 #include <array>
-#include <ctime>
 
 #include "firmware/daemon/stick/stick_words.hpp"
+#include "firmware/io/wall_clock.hpp"
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/told/printer_code.hpp"
 
@@ -44,18 +44,23 @@ Told told_of(ErrorCode code) {
 
 }  // namespace
 
-StateRecorder::StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer)
+StateRecorder::StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer,
+                             std::uint64_t id_seed)
     : record_(record),
       stick_(stick),
       observer_(observer),
+      ids_(id_seed),
       pictures_(std::make_unique<JobPictures>()),
-      scan_pictures_(std::make_unique<ScanPictures>()) {
+      scan_pictures_(std::make_unique<ScanPictures>()),
+      // A page may have kept pictures of a list that was there before this daemon began: their numbers must not come again.
+      scan_picture_number_(static_cast<std::uint32_t>(ids_.next() >> 34U)) {
   record.pictures = pictures_.get();
   record.scan_pictures = scan_pictures_.get();
 }
 
 void StateRecorder::begin_job() {
   record_.begin_job();
+  record_.job_id = ids_.next();
   pictures_->clear();
 }
 
@@ -128,10 +133,12 @@ void StateRecorder::show_code(std::string_view code) {
 bool StateRecorder::update(const PrintStatus& status) {
   look_around();
   record_.slicing.reset();
-  record_.set_progress(status, std::time(nullptr));
+  const PrintState before = record_.state;
+  record_.set_progress(status, wall_clock_s());
+  if (record_.state != before && waits_for_start(record_.state)) ask(status.now);
   show_layer(status.layer);
   assign(record_.message, status_text(status).view());
-  record_.message_told = {};
+  record_.message_told = told_note(status);
   return observer_.update(status);
 }
 
@@ -148,7 +155,6 @@ void StateRecorder::slicing(Stage stage, double fraction) {
 
 void StateRecorder::printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) {
   record_.result = report.state;
-  record_.has_report = true;
   if (report.fault != FaultCode::kNone) {
     record_.set_fault(report.fault, report.fault_message.view(), explain(report.fault, {}).advice.view(),
                       report.fault_told);
@@ -163,45 +169,50 @@ void StateRecorder::idle() {
   observer_.idle();
 }
 
-void StateRecorder::forget_scans() { record_.scan_count = record_.scans_left_out = 0; }
+void StateRecorder::forget_scans() {
+  record_.scan_count = record_.folder_count = 0;
+  record_.folder.clear();
+  record_.left_out = {};
+  folder_.clear();
+}
 
 bool StateRecorder::found(const StickScans& scans, bool uploaded) {
-  if (record_.scans_uploaded != uploaded) forget_scans();
+  if (record_.scans_uploaded != uploaded || folder_ != scans.folder) forget_scans();
   record_.scans_uploaded = uploaded;
   const auto before = record_.scans;
   const std::size_t count_before = record_.scan_count;
   record_.has_job_file = !scans.job_file.view().empty();
-  record_.scan_count = 0;
-  record_.scans_left_out = scans.left_out;
+  record_.scan_count = record_.folder_count = 0;
+  folder_ = scans.folder;
+  assign(record_.folder, folder_);
+  for (const StickFolder& folder : scans.folders) {
+    FolderRecord& known = record_.folders[record_.folder_count++];
+    assign(known.name, scans.name_within(folder.name));
+    known.entries = static_cast<std::uint32_t>(folder.entries);
+  }
+  tell_left_out(scans);
   std::size_t known = 0;
-  const auto add = [&](std::string_view name, std::size_t files, std::uint64_t bytes) -> ScanRecord& {
+  for (const StickEntry& entry : scans.list) {
     ScanRecord& scan = record_.scans[record_.scan_count++];
     scan = {};
-    assign(scan.name, name);
-    scan.files = static_cast<std::uint32_t>(files);
-    scan.bytes = bytes;
+    assign(scan.name, scans.name_within(entry.names[0]));
+    scan.files = static_cast<std::uint32_t>(entry.names.size());
+    scan.bytes = entry.bytes;
     for (std::size_t k = 0; k < count_before; ++k) {
       const ScanRecord& known_one = before[k];
-      if (known_one.name.view() != scan.name.view() || known_one.files != files || known_one.bytes != bytes) continue;
+      if (known_one.name.view() != scan.name.view() || known_one.files != scan.files || known_one.bytes != scan.bytes)
+        continue;
       scan.problem = known_one.problem;
       scan.told = known_one.told;
       if (k + 1 == record_.scan_count) scan.picture = known_one.picture;  // it is still there
       ++known;
       break;
     }
-    return scan;
-  };
-  for (std::size_t i = 0; i < scans.count; ++i) {
-    const StickScan& found = scans.list[i];
-    ScanRecord& scan = add(found.name.view(), 1, found.bytes);
-    if (found.bytes == 0 && scan.problem.view().empty()) {
+    if (entry.bytes == 0 && scan.files == 1 && scan.problem.view().empty()) {
       assign(scan.problem, "the file is empty");
       scan.told = ToldCode::kFileEmpty;
     }
-  }
-  for (const StickSeries& series : scans.series) {
-    ScanRecord& scan = add(series.names[0], series.names.size(), series.bytes);
-    if (series.names.size() > kMostScans) {
+    if (scan.files > kMostScans) {
       FixedText<80> text;
       text.add("one scan may have %zu files at most", kMostScans);
       assign(scan.problem, text.view());
@@ -211,10 +222,35 @@ bool StateRecorder::found(const StickScans& scans, bool uploaded) {
   return count_before > 0 && known == count_before && record_.scan_count == count_before;
 }
 
+/// Says what nobody can choose, and how much it is.
+void StateRecorder::tell_left_out(const StickScans& scans) {
+  LeftOutRecord& left_out = record_.left_out;
+  left_out = {scans.left_out, scans.folders_left_out, scans.partitions_left_out, {}, PrinterCode::kStickNotListed};
+  const auto add = [&](std::size_t count, const char* one, const char* more, auto fact) {
+    if (count == 0) return;
+    left_out.text.add("%s%zu %s", left_out.text.view().empty() ? "not listed: " : ", ", count, count == 1 ? one : more);
+    left_out.told.add(static_cast<Fact>(fact), static_cast<double>(count));
+  };
+  add(left_out.files, "file", "files", Fact::kCount);
+  add(left_out.folders, "folder", "folders", PrinterFact::kFolders);
+  add(left_out.partitions, "partition that can't be read", "partitions that can't be read", PrinterFact::kPartitions);
+  if (left_out.text.view().empty()) {
+    left_out.told = {};
+  } else {
+    tell(left_out.text.view(), left_out.told);
+  }
+}
+
 void StateRecorder::offered(const StickJob& job, std::string_view profile, std::optional<std::size_t> chosen) {
+  // In another folder the first one is another scan.
+  FixedText<256> scan;
+  assign(scan, job.title());
+  const bool is_other = record_.job && (record_.job->chosen != chosen || record_.job->scan.view() != scan.view());
+  if (is_other) record_.job_id = ids_.next();
+  ask_about_other();
   JobRecord& record = record_.job.emplace();
   static_cast<JobSettings&>(record) = job;
-  assign(record.scan, job.title());
+  record.scan = scan;
   for (const std::string& file : job.scans) {
     if (record.file_count < record.files.size()) assign(record.files[record.file_count++], file);
   }
@@ -224,10 +260,26 @@ void StateRecorder::offered(const StickJob& job, std::string_view profile, std::
 
 void StateRecorder::resumed(const PrintSession& session) {
   begin_job();
+  record_.job_id = session.facts().print_id;
   JobRecord& record = record_.job.emplace();
   assign(record.scan, view(session.facts().scan));
   for (const FileName& file : session.scan_files()) assign(record.files[record.file_count++], view(file));
   assign(record.profile, view(session.facts().profile));
+}
+
+void StateRecorder::contracted(const Contract& contract) {
+  record_.sliced = contract;
+  record_.slicing.reset();
+  for (const ToldCode doubt :
+       {static_cast<ToldCode>(PrinterCode::kArchiveNoHeight), static_cast<ToldCode>(PrinterCode::kArchiveNoExposure),
+        static_cast<ToldCode>(PrinterCode::kArchiveGrey), ToldCode::kPointsOff}) {
+    record_.remove_findings(doubt);
+  }
+}
+
+void StateRecorder::begins(const Contract& contract) {
+  contracted(contract);
+  observer_.begins(contract);
 }
 
 void StateRecorder::warn(std::string_view sentence, const Told& told) {

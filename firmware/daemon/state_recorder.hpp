@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "firmware/daemon/daemon_observer.hpp"
 #include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/daemon/stick/stick_scans.hpp"
+#include "firmware/io/random_id.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "hal/stick_port.hpp"
@@ -25,17 +27,24 @@ class StateRecorder final : public DaemonObserver {
   static constexpr std::chrono::minutes kCodeTime{2};
 
   /// All must outlive it.
-  StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer);
+  /// @param id_seed  see RandomIds
+  StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer, std::uint64_t id_seed);
 
   void say(const PrintableText& text) override;
   bool update(const PrintStatus& status) override;
   void checked(Check check, const CheckResult& result) override;
   void slicing(Stage stage, double fraction) override;
+  void begins(const Contract& contract) override;
   void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) override;
+  void plate_emptied() override { observer_.plate_emptied(); }
   void idle() override;
   void mask_made(std::uint32_t layer, ConstBitImage mask) override;
 
-  /// Forgets the job of before.
+  /// A question is put at `now`.
+  void ask(TimePoint now) { record_.ask(ids_.next(), now); }
+  /// The question that is put is about something else than before, such as another scan: answers to what it was don't count.
+  void ask_about_other() { record_.asks = ids_.next(); }
+  /// Forgets the job of before. The next one has another id.
   void begin_job();
   /// Keeps the pictures of what has been sliced. Those with impossible sizes are left out.
   void previewed(const SlicedPictures& drawn);
@@ -52,6 +61,8 @@ class StateRecorder final : public DaemonObserver {
 
   /// Forgets the scans that were listed: others have been uploaded.
   void forget_scans();
+  /// The folder of the stick that was listed last; empty: its top folder, or another stick's.
+  const std::string& folder() const { return folder_; }
   /// The scans of a stick. What was wrong with one of them is remembered as long as the stick is in.
   /// @param uploaded  they are those of the printer's store
   /// @returns whether they are those that were listed before
@@ -60,6 +71,8 @@ class StateRecorder final : public DaemonObserver {
   /// @param profile  the job's, or the printer's
   /// @param chosen   index of its scan among those of the stick; none: a job file names it
   void offered(const StickJob& job, std::string_view profile, std::optional<std::size_t> chosen);
+  /// What the print will do. Forgets what was doubtful about another one.
+  void contracted(const Contract& contract);
   /// A print that goes on.
   void resumed(const PrintSession& session);
   /// Says what the state alone does not.
@@ -75,13 +88,16 @@ class StateRecorder final : public DaemonObserver {
   /// The stick, and a code whose time is over.
   void look_around();
   void show_layer(std::uint32_t layer);
+  void tell_left_out(const StickScans& scans);
 
   PrinterRecord& record_;
   const StickPort& stick_;
   DaemonObserver& observer_;
+  RandomIds ids_;
   std::unique_ptr<JobPictures> pictures_;
   std::unique_ptr<ScanPictures> scan_pictures_;
-  std::uint32_t scan_picture_number_ = 0;
+  std::uint32_t scan_picture_number_;
+  std::string folder_;  ///< as StickScans::folder
   std::chrono::steady_clock::time_point code_until_{};
   std::uint32_t next_layer_ = 0;  ///< of the picture that waits
 };

@@ -8,31 +8,55 @@
 #include "firmware/daemon/stick/job_setting.hpp"
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/told/printer_code.hpp"
+#include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
+namespace {
+
+tl::unexpected<Error> nothing_on(const StickScans& scans) {
+  FixedText<120> unseen;
+  Told told(PrinterCode::kStickEmpty);
+  if (const std::size_t count = scans.partitions_left_out; count > 0) {
+    unseen.add(" (%zu partition%s can't be read)", count, plural_s(count));
+    told.add(static_cast<Fact>(PrinterFact::kPartitions), static_cast<double>(count));
+  }
+  if (const std::size_t count = scans.folders_left_out; count > 0) {
+    unseen.add(" (%zu folder%s not looked into)", count, count == 1 ? " was" : "s were");
+    told.add(static_cast<Fact>(PrinterFact::kFolders), static_cast<double>(count));
+  }
+  return telling(told, fail(ErrorCode::kNoPoints,
+                            "there is no scan or mesh on the stick, nor a sliced archive%s:\tput an STL, OBJ, PLY, "
+                            "OFF, 3MF, PCD, XYZ or .sl1 file on a stick with FAT32 or exFAT",
+                            unseen.c_str()));
+}
+
+}  // namespace
 
 Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slicing, const DaemonSettings& settings,
                                       StateRecorder& recorder, bool uploaded, const StickJob* printed) {
-  const auto scans = list_scans(mount);
+  const auto look = [&] { return slicing.look(mount); };
+  // After a print the folder from which it came is still open.
+  auto scans = list_scans(mount, uploaded ? std::string() : recorder.folder(), look);
+  const bool lost = scans ? scans->list.empty() : scans.error().code() == ErrorCode::kCannotRead;
+  if (lost && !uploaded && !recorder.folder().empty()) scans = list_scans(mount, {}, look);
   PLUMBLINE_TRY(scans);
   StickOffer offer(settings, recorder);
-  offer.scans_ = *scans;
+  offer.scans_ = std::move(*scans);
   offer.uploaded_ = uploaded;
-  const bool known = recorder.found(*scans, uploaded);
+  const bool known = recorder.found(offer.scans_, uploaded);
   if (offer.has_job_file()) {
-    auto file = mount.open(scans->job_file.view());
+    const std::string_view job_file = offer.scans_.job_file.view();
+    auto file = mount.open(job_file);
     PLUMBLINE_TRY(file);
     auto job = slicing.read_job(mount, *file);
     PLUMBLINE_TRY(job);
     offer.job_ = std::move(*job);
+    for (std::string& scan : offer.job_.scans) scan = mount.name_beside(job_file, scan);
     PLUMBLINE_TRY(find_files(offer.job_, mount));
-  } else if (offer.choices() == 0 && scans->foreign) {
-    return tl::unexpected<Error>(*scans->foreign);
+  } else if (offer.choices() == 0 && offer.scans_.foreign) {
+    return tl::unexpected<Error>(*offer.scans_.foreign);
   } else if (offer.choices() == 0) {
-    return telling(Told(PrinterCode::kStickEmpty),
-                   fail(ErrorCode::kNoPoints,
-                        "there is no scan or mesh on the stick, nor a sliced archive:\tput an STL, OBJ, PLY, OFF, 3MF, "
-                        "PCD, XYZ or .sl1 file in its top folder"));
+    return nothing_on(offer.scans_);
   } else {
     offer.job_.scans = offer.files_of(0);
     for (std::size_t i = 0; known && printed != nullptr && i < offer.choices(); ++i) {
@@ -40,13 +64,30 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
       offer.chosen_ = i;
       offer.job_ = *printed;
     }
-    if (scans->foreign) recorder.tell(scans->foreign->message(), scans->foreign->told());
+    if (offer.scans_.foreign) recorder.tell(offer.scans_.foreign->message(), offer.scans_.foreign->told());
   }
   offer.record();
   return offer;
 }
 
+Expected<bool> StickOffer::open_folder(const StickMount& mount, ScanSlicing& slicing) {
+  const auto wish = std::exchange(folder_wish_, std::nullopt);
+  if (!wish) return false;
+  auto scans = list_scans(mount, *wish, [&] { return slicing.look(mount); });
+  if (!scans && scans.error().code() != ErrorCode::kCannotRead) return tl::unexpected<Error>(scans.error());
+  if (!scans) {
+    recorder_->tell(scans.error().message(), {});
+  } else if (!scans->list.empty()) {
+    scans_ = std::move(*scans);
+    recorder_->found(scans_, uploaded_);
+    forget_proposals();
+    take(0);
+  }
+  return true;
+}
+
 Expected<EventKind> StickOffer::ask(Answers& answers, const std::function<bool()>& is_new) {
+  answers.put();
   show();
   while (!is_new()) {
     auto answer = answers.ask([this] { choose((chosen_ + 1) % choices()); });
@@ -60,6 +101,7 @@ Expected<EventKind> StickOffer::ask(Answers& answers, const std::function<bool()
 }
 
 Status StickOffer::change(const ClientRequest& request) {
+  if (request.command == Command::kOpen) return wish_folder(request.folder);
   if (request.command == Command::kSet) return set(request.key.view(), request.value.view());
   if (request.command == Command::kPropose) {
     if (is_archive_name(job_.scans[0])) {
@@ -88,16 +130,14 @@ void StickOffer::show() const {
   recorder_->say(text.view());
 }
 
-/// The files of a choice: those of a series come after the single scans.
-std::vector<std::string> StickOffer::files_of(std::size_t choice) const {
-  if (choice >= scans_.count) return scans_.series[choice - scans_.count].names;
-  return {std::string(scans_.list[choice].name.view())};
-}
-
 /// @pre scan < choices()
 void StickOffer::choose(std::size_t scan) {
   if (choices() == 1) return;
   if (chosen_ != scan) forget_proposals();
+  take(scan);
+}
+
+void StickOffer::take(std::size_t scan) {
   chosen_ = scan;
   const bool was_archive = is_archive_name(job_.scans[0]);
   job_.scans = files_of(scan);
@@ -107,6 +147,17 @@ void StickOffer::choose(std::size_t scan) {
   if (was_archive && !is_archive) settings = of_scans_;
   record();
   show();
+}
+
+/// @param number  of the folders in the list, from 1; 0: the folder above
+Status StickOffer::wish_folder(std::uint32_t number) {
+  if (number > scans_.folders.size() || (number == 0 && scans_.folder.empty())) {
+    return telling(Told(PrinterCode::kNoSuchFolder, {{Fact::kCount, number}}),
+                   fail(ErrorCode::kBadSetting, "there is no folder %u here: there are %zu%s", number,
+                        scans_.folders.size(), scans_.folder.empty() ? "" : ", and 0, the one above"));
+  }
+  folder_wish_ = number == 0 ? std::string(parent_of(scans_.folder)) : scans_.folders[number - 1].name;
+  return {};
 }
 
 void StickOffer::propose(const Proposals& proposals, const ProposalPictures& drawn) {
@@ -126,10 +177,11 @@ Status StickOffer::set(std::string_view key, std::string_view value) {
     job_.profile = value;
   } else if (key == "proposal") {
     PLUMBLINE_TRY(set_proposal(value));
-  } else if (is_archive_name(job_.scans[0])) {
-    return telling(
-        Told(PrinterCode::kArchiveSettings, {}, job_.title()),
-        fail(ErrorCode::kBadSetting, "%s: is sliced already, so only its profile can be set", job_.title().c_str()));
+  } else if (is_archive_name(job_.scans[0]) && find_print_field(key) == nullptr) {
+    return telling(Told(PrinterCode::kArchiveSettings, {}, job_.title()),
+                   fail(ErrorCode::kBadSetting,
+                        "%s: is sliced already, so only its profile, exposures, lifts and waits can be set",
+                        job_.title().c_str()));
   } else {
     PLUMBLINE_TRY(set_job_setting(job_, key, value));
   }

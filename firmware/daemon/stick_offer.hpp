@@ -34,13 +34,13 @@ class StickOffer {
 
   const StickJob& job() const { return job_; }
   /// Scans and series to choose from; 1 if a job file says what is printed.
-  std::size_t choices() const { return has_job_file() ? 1 : scans_.count + scans_.series.size(); }
+  std::size_t choices() const { return has_job_file() ? 1 : scans_.list.size(); }
   /// The names of a choice's files. @pre choice < choices(), and there is no job file
-  std::vector<std::string> files_of(std::size_t choice) const;
+  const std::vector<std::string>& files_of(std::size_t choice) const { return scans_.list[choice].names; }
   /// Whether nobody has to choose: a job file, or one scan in the top folder and nothing else. That scans are parts of one is only a guess.
   bool is_certain() const {
     const bool in_folder = job_.scans[0].find('/') != std::string::npos;
-    return has_job_file() || (choices() == 1 && scans_.series.empty() && !in_folder);
+    return has_job_file() || (choices() == 1 && scans_.folders.empty() && job_.scans.size() == 1 && !in_folder);
   }
 
   /// Says what would be printed, and waits for what people make of it. Pause chooses the next scan.
@@ -49,12 +49,16 @@ class StickOffer {
   [[nodiscard]] Expected<EventKind> ask(Answers& answers, const std::function<bool()>& is_new);
   /// Whether somebody wants to see the best ways up, since the last call. Then ask() has returned start.
   bool take_wish() { return std::exchange(wishes_, false); }
+  /// Opens the folder that somebody wants to see, since the last call. Then ask() has returned start.
+  /// @returns whether somebody does. One in which there is nothing stays closed
+  /// @retval the errors of list_scans() but those of the folder
+  [[nodiscard]] Expected<bool> open_folder(const StickMount& mount, ScanSlicing& slicing);
   /// They are there: one can be chosen.
   /// @param drawn  their pictures
   void propose(const Proposals& proposals, const ProposalPictures& drawn);
-  /// Chooses a scan, changes a setting or wishes for proposals, as a client asks.
-  /// @param request  choose, set or propose
-  /// @retval ErrorCode::kBadSetting  no such scan or profile, or the errors of set_job_setting(); nothing has changed
+  /// Chooses a scan, changes a setting, or wishes for proposals or a folder, as a client asks.
+  /// @param request  choose, set, propose or open
+  /// @retval ErrorCode::kBadSetting  no such scan, folder or profile, or the errors of set_job_setting(); nothing has changed
   [[nodiscard]] Status change(const ClientRequest& request);
 
  private:
@@ -62,6 +66,8 @@ class StickOffer {
   bool has_job_file() const { return !scans_.job_file.view().empty(); }
   void show() const;
   void choose(std::size_t scan);
+  void take(std::size_t scan);
+  Status wish_folder(std::uint32_t number);
   Status set(std::string_view key, std::string_view value);
   void forget_proposals();
   Status set_proposal(std::string_view value);
@@ -75,6 +81,7 @@ class StickOffer {
   std::optional<Proposals> proposals_;  ///< for the job as it is
   bool uploaded_ = false;
   bool wishes_ = false;
+  std::optional<std::string> folder_wish_;
   std::size_t chosen_ = 0;  ///< of the scans and series, if there is no job file
 };
 

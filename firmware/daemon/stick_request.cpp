@@ -34,7 +34,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   placement.fit = job.fit;
   placement.size = job.size;
   placement.rotation_degrees = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
-  placement.layer_height_mm = static_cast<float>(job.layer_height > 0 ? job.layer_height : profile.layer_height);
+  placement.layer_height_mm = static_cast<float>(profile.layer_height);
   placement.printer = printer_volume(daemon.board);
   tell_checks(profile, daemon.machine, request.settings);
   const auto supports = SupportChoice{job.supports, {}}.over(profile.supports_enable, profile.supports);
@@ -42,14 +42,16 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   request.supports = *supports;
   if (*supports) placement.room = support_room(**supports);
   if (is_archive_name(scan[0].name())) {
-    const JobSettings& settings = job;
+    JobSettings settings = job;
+    settings.layer_height = 0;
+    settings.values = {};
     if (settings != JobSettings()) {
-      return telling(
-          Told(PrinterCode::kArchiveSettings, {}, job.title()),
-          fail(ErrorCode::kBadSetting,
-               "%s: is sliced already, so of the job's settings only the profile counts.\tLeave out the others, or "
-               "put the mesh or scan that it was made of on the stick",
-               job.title().c_str()));
+      return telling(Told(PrinterCode::kArchiveSettings, {}, job.title()),
+                     fail(ErrorCode::kBadSetting,
+                          "%s: is sliced already, so of the job's settings only the profile, exposures, lifts and "
+                          "waits count.\tLeave out the others, or "
+                          "put the mesh or scan that it was made of on the stick",
+                          job.title().c_str()));
     }
     request.archive.ask = ArchiveRequest::Ask::kCheck;
     request.supports.reset();

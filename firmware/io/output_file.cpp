@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -79,6 +80,22 @@ Status check_can_create(const char* path) {
   ::close(file);
   if (!is_there) ::unlink(path);
   return {};
+}
+
+Status write_whole_file(const char* path, FunctionRef<Status(TextSink&)> write) {
+  FixedPath unfinished;
+  unfinished.add("%s.new", path);
+  const auto attempt = [&]() -> Status {
+    if (::unlink(path) != 0 && errno != ENOENT) return cannot_create(path, errno);
+    auto file = OutputFile::create(unfinished.c_str());
+    PLUMBLINE_TRY(file);
+    PLUMBLINE_TRY(write(*file));
+    PLUMBLINE_TRY(file->close());
+    return ::rename(unfinished.c_str(), path) == 0 ? Status() : Status(cannot_create(path, errno));
+  };
+  auto written = attempt();
+  if (!written) static_cast<void>(::unlink(unfinished.c_str()));
+  return written;
 }
 
 Status write_file(const char* path, std::span<const std::byte> bytes) {

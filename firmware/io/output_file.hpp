@@ -8,6 +8,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/text/text_sink.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/function_ref.hpp"
 
 namespace plumbline {
 
@@ -45,6 +46,11 @@ class OutputFile final : public TextSink {
 /// exists keeps its content; one that does not is created and removed again.
 /// @retval ErrorCode::kCannotOpen  as create()
 [[nodiscard]] Status check_can_create(const char* path);
+
+/// Writes a file whole or not at all: where that fails there is none of that name, neither half of it nor the one before.
+/// @param write  writes its content
+/// @retval the errors of OutputFile and of write()
+[[nodiscard]] Status write_whole_file(const char* path, FunctionRef<Status(TextSink&)> write);
 
 /// OutputFile::create(), write() and close().
 [[nodiscard]] Status write_file(const char* path, std::span<const std::byte> bytes);

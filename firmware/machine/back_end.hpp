@@ -64,6 +64,8 @@ class Witness {
   virtual Irradiance irradiance() = 0;  ///< that a meter on the film reads under a white mask
   virtual bool light() = 0;
 
+  /// The person who says that the plate is empty has taken the part off.
+  virtual void take_part_off() = 0;
   virtual void plug_stick(const std::string& folder) = 0;
   virtual void pull_stick() = 0;
   virtual void press(EventKind button) = 0;

@@ -152,6 +152,7 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
   Irradiance irradiance() override { return plant_.settings().lamp.irradiance; }
   bool light() override { return plant_.light(); }
 
+  void take_part_off() override { plant_.take_part_off(); }
   void plug_stick(const std::string& folder) override { plant_.plug_stick(folder); }
   void pull_stick() override { plant_.pull_stick(); }
   void press(EventKind button) override { plant_.press(button); }

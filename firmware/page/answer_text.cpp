@@ -1,12 +1,15 @@
 #include "firmware/page/answer_text.hpp"
 
+#include "firmware/state/state_line.hpp"
+
 namespace plumbline {
 
-HttpAnswer AnswerText::refuse(unsigned status, std::string_view error, std::string_view advice) {
+HttpAnswer AnswerText::refuse(unsigned status, std::string_view error, std::string_view advice, const Told& told) {
   HttpAnswer answer = object([&](JsonWriter& json) {
     json.member("ok", false);
     json.member("error", error);
     if (!advice.empty()) json.member("advice", advice);
+    if (!told.empty()) write_told(json, "told", told);
   });
   answer.status = status;
   return answer;

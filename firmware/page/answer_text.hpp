@@ -11,9 +11,11 @@ namespace plumbline {
 
 class AnswerText {
  public:
-  /// {"ok": false, "error": ..., "advice": ...}
-  HttpAnswer refuse(unsigned status, std::string_view error, std::string_view advice = {});
-  HttpAnswer refuse(unsigned status, const Error& error) { return refuse(status, error.finding(), error.advice()); }
+  /// {"ok": false, "error": ..., "advice": ..., "told": ...}
+  HttpAnswer refuse(unsigned status, std::string_view error, std::string_view advice = {}, const Told& told = {});
+  HttpAnswer refuse(unsigned status, const Error& error) {
+    return refuse(status, error.finding(), error.advice(), error.told());
+  }
   HttpAnswer no_daemon() { return refuse(503, "the printer's daemon does not answer", "Start plumblined"); }
   /// An object with the members that `write` writes.
   template <class Write>

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "firmware/io/descriptor.hpp"
 #include "firmware/page/listening_socket.hpp"
@@ -54,6 +55,7 @@ Response response_of(const HttpAnswer& answer) {
   add_headers(response, answer.type, answer.save_as);
   if (answer.is_gzip) add(response, "Content-Encoding", "gzip");
   if (answer.allow != nullptr) add(response, "Allow", answer.allow);
+  if (answer.closes) add(response, "Connection", "close");
   return response;
 }
 
@@ -84,6 +86,8 @@ struct HttpServer::Parts {
     HostClock::time_point since;  ///< a request is awaited or an answer is taken
     bool answered = false;
     bool unbounded = false;  ///< it is an event stream, or waits for the printer
+    ClientAddress address;
+    bool ends = false;  ///< for another one
   };
   /// A request.
   struct Exchange {
@@ -120,6 +124,7 @@ struct HttpServer::Parts {
   std::array<Line, kMostConnections> lines;
   std::array<Exchange, kMostConnections> exchanges;
   std::array<Stream, kMostStreams> streams;
+  unsigned turned_away = 0;
 
   static MHD_Result queue(MHD_Connection* connection, unsigned status, const Response& response) {
     return response ? MHD_queue_response(connection, status, response.get()) : MHD_NO;
@@ -141,12 +146,48 @@ struct HttpServer::Parts {
     line->unbounded = unbounded;
   }
 
+  static ClientAddress address_of(MHD_Connection* connection) {
+    const auto* const info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    return client_address(info != nullptr ? info->client_addr : nullptr);
+  }
+
+  static void end(const Line& line) {
+    const auto* const info = MHD_get_connection_info(line.connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    if (info != nullptr) static_cast<void>(::shutdown(info->connect_fd, SHUT_RDWR));
+  }
+
+  /// Whether a new connection gets a place. Another one may have to make room.
+  static MHD_Result on_accept(void* cls, const sockaddr* from, socklen_t /*size*/) {
+    auto& parts = *static_cast<Parts*>(cls);
+    const ClientAddress address = client_address(from);
+    std::array<HeldPlace, kMostConnections> held;
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      const Line& line = parts.lines[i];
+      if (line.connection == nullptr) continue;
+      held[i] = {line.address, true, parts.handler.is_paired(line.address), !line.unbounded, line.ends, line.since};
+    }
+    const auto choice = parts.handler.is_flooding(address)
+                            ? PlaceChoice()
+                            : choose_place(held, address, parts.handler.is_paired(address), kPlaces);
+    if (choice.ends) {
+      parts.lines[*choice.ends].ends = true;
+      end(parts.lines[*choice.ends]);
+    }
+    if (!choice.is_let_in) ++parts.turned_away;
+    return choice.is_let_in ? MHD_YES : MHD_NO;
+  }
+
   static void on_connection(void* cls, MHD_Connection* connection, void** /*context*/,
                             MHD_ConnectionNotificationCode code) {
     auto& parts = *static_cast<Parts*>(cls);
     const bool begins = code == MHD_CONNECTION_NOTIFY_STARTED;
     Line* const line = parts.line_of(begins ? nullptr : connection);
-    if (line != nullptr) *line = {begins ? connection : nullptr, HostClock::now(), false, false};
+    if (line == nullptr) return;
+    *line = Line();
+    if (!begins) return;
+    line->connection = connection;
+    line->since = HostClock::now();
+    line->address = address_of(connection);
   }
 
   static MHD_Result on_request(void* cls, MHD_Connection* connection, const char* url, const char* method,
@@ -161,6 +202,10 @@ struct HttpServer::Parts {
       exchange->connection = connection;
       exchange->number = ++parts.requests;
       exchange->filled = 0;
+      if (const auto refusal = parts.handler.refuse_early(request_of(*exchange, url, method))) {
+        parts.note(connection, true, false);
+        return queue(connection, *refusal);
+      }
       return parts.handler.streams_body(url) ? parts.begin_body(*exchange, url, method) : begin(parts, connection);
     }
     if (*upload_size > 0 && exchange->streams) return parts.take_body(*exchange, upload, *upload_size);
@@ -232,6 +277,8 @@ struct HttpServer::Parts {
     request.token = header(connection, "Plumbline-Token");
     request.takes_gzip = takes_gzip(header(connection, "Accept-Encoding"));
     if (const auto n = to_number<std::uint32_t>(header(connection, "n", MHD_GET_ARGUMENT_KIND))) request.n = *n;
+    request.address = address_of(connection);
+    request.job = header(connection, "job", MHD_GET_ARGUMENT_KIND);
     request.body = {exchange.body.data(), exchange.filled};
     return request;
   }
@@ -253,7 +300,7 @@ struct HttpServer::Parts {
   MHD_Result begin_stream(MHD_Connection* connection, const HttpStream& what) {
     auto* const stream =
         std::find_if(streams.begin(), streams.end(), [](const Stream& one) { return one.connection == nullptr; });
-    if (stream == streams.end()) {
+    if (stream == streams.end() || !may_stream(address_of(connection))) {
       note(connection, true, false);
       return queue(connection, kTooMany);
     }
@@ -271,6 +318,19 @@ struct HttpServer::Parts {
     stream->filled = stream->taken = 0;
     add_headers(response, what.type, what.save_as);
     return queue(connection, 200, response);
+  }
+
+  /// Some streams are kept for paired browsers.
+  bool may_stream(const ClientAddress& address) {
+    if (handler.is_paired(address)) return true;
+    std::size_t unpaired = 0, own = 0;
+    for (const Stream& one : streams) {
+      if (one.connection == nullptr) continue;
+      const ClientAddress whose = address_of(one.connection);
+      if (whose == address) ++own;
+      if (!handler.is_paired(whose)) ++unpaired;
+    }
+    return unpaired < kUnpairedStreams && own < kStreamsOfUnpaired;
   }
 
   static ssize_t on_read(void* cls, std::uint64_t /*position*/, char* out, std::size_t most) {
@@ -314,9 +374,7 @@ struct HttpServer::Parts {
   void end_slow_ones(HostClock::time_point now) const {
     for (const Line& line : lines) {
       if (line.connection == nullptr || line.unbounded) continue;
-      if (now - line.since < (line.answered ? times.answer : times.request)) continue;
-      const auto* const info = MHD_get_connection_info(line.connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-      if (info != nullptr) static_cast<void>(::shutdown(info->connect_fd, SHUT_RDWR));
+      if (now - line.since >= (line.answered ? times.answer : times.request)) end(line);
     }
   }
 };
@@ -340,10 +398,10 @@ Expected<std::unique_ptr<HttpServer>> HttpServer::open(const std::string& addres
   auto parts = std::make_unique<Parts>(handler, times);
   // The library closes the socket that it gets, so it gets one of its own.
   parts->daemon =
-      MHD_start_daemon(MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, &Parts::on_request, parts.get(),
-                       MHD_OPTION_LISTEN_SOCKET, ::dup(socket->get()), MHD_OPTION_CONNECTION_LIMIT, kMostConnections,
-                       MHD_OPTION_PER_IP_CONNECTION_LIMIT, kMostOfOneAddress, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-                       kConnectionMemory, MHD_OPTION_CONNECTION_TIMEOUT, kIdleSeconds, MHD_OPTION_STRICT_FOR_CLIENT, 1,
+      MHD_start_daemon(MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0, &Parts::on_accept, parts.get(), &Parts::on_request,
+                       parts.get(), MHD_OPTION_LISTEN_SOCKET, ::dup(socket->get()), MHD_OPTION_CONNECTION_LIMIT,
+                       kMostConnections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory,
+                       MHD_OPTION_CONNECTION_TIMEOUT, kIdleSeconds, MHD_OPTION_STRICT_FOR_CLIENT, 1,
                        MHD_OPTION_SIGPIPE_HANDLED_BY_APP, 1, MHD_OPTION_NOTIFY_CONNECTION, &Parts::on_connection,
                        parts.get(), MHD_OPTION_NOTIFY_COMPLETED, &Parts::on_completed, parts.get(), MHD_OPTION_END);
   if (parts->daemon == nullptr) {
@@ -373,6 +431,8 @@ void HttpServer::run() {
   static_cast<void>(MHD_run(parts_->daemon));
   parts_->end_slow_ones(HostClock::now());
 }
+
+unsigned HttpServer::take_turned_away() { return std::exchange(parts_->turned_away, 0U); }
 
 void HttpServer::finish(const HttpTicket& ticket, const HttpAnswer& answer) {
   Parts::Exchange& exchange = parts_->exchanges[ticket.place];

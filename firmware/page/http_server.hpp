@@ -12,6 +12,8 @@
 #include <string_view>
 #include <variant>
 
+#include "firmware/page/clients/client_address.hpp"
+#include "firmware/page/clients/connection_places.hpp"
 #include "firmware/state/state_line.hpp"
 #include "slicer/core/error.hpp"
 
@@ -24,6 +26,8 @@ struct HttpRequest {
   std::string_view token;          ///< header Plumbline-Token
   bool takes_gzip = false;         ///< as an answer's encoding
   std::optional<std::uint32_t> n;  ///< ?n=
+  ClientAddress address;           ///< whose
+  std::string_view job;            ///< ?job=
   std::string_view body;
 };
 
@@ -35,6 +39,7 @@ struct HttpAnswer {
   bool is_gzip = false;           ///< the body is packed: HttpRequest::takes_gzip
   const char* save_as = nullptr;  ///< file name; null: not for saving
   const char* allow = nullptr;    ///< of status 405: the methods
+  bool closes = false;            ///< the connection ends with it
 };
 
 /// A request that is answered later.
@@ -65,6 +70,13 @@ using HttpReply = std::variant<HttpAnswer, HttpLater, HttpStream>;
 class HttpHandler {
  public:
   virtual ~HttpHandler() = default;
+  /// Whether an address is that of a paired browser: places are kept for those.
+  virtual bool is_paired(const ClientAddress& /*address*/) { return false; }
+  /// Whether a connection from an address is refused before anything of it is read.
+  virtual bool is_flooding(const ClientAddress& /*address*/) { return false; }
+  /// Called when a request's headers have come, before its body.
+  /// @returns a refusal; none: it is served
+  virtual std::optional<HttpAnswer> refuse_early(const HttpRequest& /*request*/) { return std::nullopt; }
   /// Whether the body of a request for this path goes to take_body() as it comes: it may be long, and answer() gets none.
   virtual bool streams_body(std::string_view /*path*/) { return false; }
   /// Called before such a body comes. @param bytes  that were announced; 0: none
@@ -101,9 +113,12 @@ class HttpServer {
  public:
   using HostClock = std::chrono::steady_clock;
 
-  static constexpr unsigned kMostConnections = 24;
-  static constexpr unsigned kMostOfOneAddress = 16;  ///< a reverse proxy is one
+  static constexpr PlaceLimits kPlaces{};
+  /// Beside those that are served, for some that are being ended.
+  static constexpr unsigned kMostConnections = kPlaces.all + 8;
   static constexpr std::size_t kMostStreams = 10;
+  /// Of addresses that are not paired: in all, and of each.
+  static constexpr std::size_t kUnpairedStreams = 6, kStreamsOfUnpaired = 4;
   static constexpr std::size_t kLongestBody = 1023;
   /// @param address  numeric; empty: all of this machine
   /// @param port     0: any
@@ -121,6 +136,8 @@ class HttpServer {
   /// The longest that run() may be left uncalled.
   std::chrono::milliseconds patience() const;
   void run();
+  /// How many connections got no place since the last call.
+  unsigned take_turned_away();
 
   /// Answers a request. Does nothing if its connection has ended.
   void finish(const HttpTicket& ticket, const HttpAnswer& answer);

@@ -11,7 +11,8 @@
 namespace plumbline {
 namespace {
 
-constexpr int kBacklog = 16;
+/// Somebody who floods the port must not fill it between two turns.
+constexpr int kBacklog = 128;
 
 Descriptor listen_on(const sockaddr* address, socklen_t size) {
   Descriptor socket(::socket(address->sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "firmware/io/version.hpp"
+#include "firmware/page/clients/paired_browsers.hpp"
 #include "firmware/page/http_server.hpp"
 #include "firmware/page/page_rights.hpp"
 #include "firmware/page/page_server.hpp"
-#include "firmware/page/pairing.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "firmware/state/socket_place.hpp"
 
@@ -67,11 +67,13 @@ ExitCode serve(PageOptions options) {
     }
   }
   if (options.socket.empty()) options.socket = machine->state_socket.empty() ? kStateSocket : machine->state_socket;
-  auto pairing = Pairing::open(options.state);
-  if (!pairing) return report_error(pairing.error());
+  // The browsers of this machine are paired whenever they ask, so there is nothing to remember.
+  const bool is_local = machine->page == PageChoice::kLocal;
+  auto browsers = PairedBrowsers::open(is_local ? std::string() : options.state);
+  if (!browsers) return report_error(browsers.error());
   // Writing to a browser that has gone is an error of write().
   static_cast<void>(std::signal(SIGPIPE, SIG_IGN));  // NOLINT(cert-err33-c)
-  PageServer page(options.socket, machine->page, machine->page_host, std::move(*pairing));
+  PageServer page(options.socket, machine->page, machine->page_host, std::move(*browsers));
   const auto port = static_cast<std::uint16_t>(machine->page_port);
   const auto server = HttpServer::open(options.listen, options.port.value_or(port), page);
   if (!server) return report_error(server.error());

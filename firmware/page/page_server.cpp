@@ -4,15 +4,18 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
 #include <utility>
 
+#include "firmware/io/random_id.hpp"
 #include "firmware/io/text/base64.hpp"
 #include "firmware/io/text/json_cursor.hpp"
-#include "firmware/page/access.hpp"
+#include "firmware/page/clients/access.hpp"
 #include "firmware/page/octoprint.hpp"
 #include "firmware/page/page_files.hpp"
 #include "firmware/page/printer_texts.hpp"
 #include "firmware/state/socket_place.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
@@ -27,19 +30,64 @@ constexpr std::string_view kBodyPath = "/upload/body";
 
 using Kind = PrinterQuestion::Kind;
 
-/// Commands that a browser may give: those that a state may list.
-bool is_command(Command command) { return static_cast<std::size_t>(command) < kCommandCount; }
+constexpr std::string_view kTooManyRequests =
+    R"({"ok": false, "error": "too many requests come from this device", "advice": "Wait a moment, then try again", )"
+    R"("told": {"code": "requests_too_many", "values": {}}})";
+
+/// ISO 8601 in UTC. A clock that was never set is before this program: its times say nothing.
+FixedText<24> time_text(std::int64_t seconds) {
+  constexpr std::int64_t kThisProgram = 1'700'000'000;
+  FixedText<24> text;
+  const auto time = static_cast<std::time_t>(seconds);
+  std::tm parts{};
+  if (seconds < kThisProgram || ::gmtime_r(&time, &parts) == nullptr) return text;
+  std::array<char, 24> room{};
+  static_cast<void>(std::strftime(room.data(), room.size(), "%Y-%m-%dT%H:%M:%SZ", &parts));
+  text.add("%s", room.data());
+  return text;
+}
+
+/// Commands that a browser may give: those that a state may list, and what somebody says of the tank.
+bool is_command(Command command) {
+  return static_cast<std::size_t>(command) < kCommandCount || command == Command::kFilled;
+}
 
 }  // namespace
 
-PageServer::PageServer(const std::string& socket, PageChoice page, std::string page_host, Pairing pairing)
+PageServer::PageServer(const std::string& socket, PageChoice page, std::string page_host, PairedBrowsers browsers)
     : page_(page),
       page_host_(std::move(page_host)),
-      pairing_(std::move(pairing)),
+      browsers_(std::move(browsers)),
       link_(command_socket(socket)),
+      commands_(command_socket(socket)),
       mask_(kMostPng) {
   static_cast<void>(write_texts(texts_, Language::kGerman));
   for (Picture& picture : pictures_) picture.png.resize(kMostPng);
+}
+
+bool PageServer::is_paired(const ClientAddress& address) {
+  return page_ == PageChoice::kLocal || limits_.is_paired(address, HostClock::now());
+}
+
+bool PageServer::is_flooding(const ClientAddress& address) {
+  return page_ != PageChoice::kLocal && limits_.is_flooding(address, HostClock::now());
+}
+
+/// Whoever is paired is served; what others ask is counted.
+std::optional<HttpAnswer> PageServer::refuse_early(const HttpRequest& request) {
+  const auto now = HostClock::now();
+  if (const auto browser = browsers_.find(request.token)) {
+    limits_.showed_token(request.address, *browser, now);
+    browsers_.seen(*browser, std::time(nullptr));
+    return std::nullopt;
+  }
+  if (page_ == PageChoice::kLocal) return std::nullopt;
+  const bool is_pairing = request.path == "/pair" && request.method == "POST";
+  if (limits_.takes_request(request.address, now) && (!is_pairing || limits_.takes_code(request.address, now))) {
+    return std::nullopt;
+  }
+  log_.refused(request.address);
+  return HttpAnswer{.status = 429, .body = kTooManyRequests, .is_fixed = true, .closes = true};
 }
 
 HttpReply PageServer::answer(const HttpRequest& request, const HttpTicket& ticket) {
@@ -66,6 +114,7 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   if (request.path == "/texts.de.json") return HttpAnswer{.body = texts_.view(), .is_fixed = true};
   if (request.path == "/events") return HttpStream{};
   if (request.path == "/access") return access(request);
+  if (request.path == "/browsers") return browsers(request);
   if (request.path == "/api/version") return text_.text([](TextSink& out) { return write_octoprint_version(out); });
   if (request.path == "/api/job") {
     return text_.text([this](TextSink& out) { return write_octoprint_job(out, state_.view()); });
@@ -82,11 +131,16 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
     return text_.refuse(404, "there is no such page");
   if (state_.view().empty()) return text_.no_daemon();
   if (request.path == "/state") return HttpAnswer{.body = state_.view()};
+  // What belongs to a job is that of the job that the browser shows, or else nothing. A script that names none gets the state's.
+  const auto named = id_of(request.job);
+  if (!request.job.empty() && !named)
+    return text_.refuse(400, "which job?", "Ask with job=, the id of the state's job");
+  const std::uint64_t job = named.value_or(job_of(state_.view()));
   if (is_picture) {
     const std::string_view name = request.path.substr(kPicturePath.size());
     const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), name);
     if (word == kPictureWords.end()) return text_.refuse(404, "there is no such picture");
-    return picture(static_cast<PictureName>(word - kPictureWords.begin()), ticket);
+    return picture(static_cast<PictureName>(word - kPictureWords.begin()), job, ticket);
   }
   // The preview of a print that is kept is one picture in one reply, as a mask is, and so is a side or a proposal.
   const PrinterQuestion question{.kind = is_report ? Kind::kReportBegin : Kind::kMask,
@@ -98,18 +152,18 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
     what.add(R"("do": "picture", "picture": "preview", "print": %u)", *request.n);
   } else if (is_side) {
     if (request.n.value_or(kSideCount) >= kSideCount) return text_.refuse(400, "which side?", "Ask for /side?n=0");
-    what.add(R"("do": "picture", "picture": "side", "side": %u)", *request.n);
+    what.add(R"("do": "picture", "picture": "side", "side": %u%s)", *request.n, job_member(job).c_str());
   } else if (is_proposal) {
     if (request.n.value_or(kProposalCount) >= kProposalCount)
       return text_.refuse(400, "which proposal?", "Ask for /proposal?n=1");
-    what.add(R"("do": "picture", "picture": "proposal", "proposal": %u)", *request.n);
+    what.add(R"("do": "picture", "picture": "proposal", "proposal": %u%s)", *request.n, job_member(job).c_str());
   } else if (is_scan) {
     const std::uint32_t scan = request.n.value_or(0);
     if (scan == 0 || scan > kMostListedScans) return text_.refuse(400, "which scan?", "Ask for /scan.png?n=1");
     what.add(R"("do": "picture", "picture": "scan", "scan": %u)", scan);
   } else if (is_mask) {
     if (!request.n) return text_.refuse(400, "which layer?", "Ask for /mask?n=0");
-    what.add(R"("do": "mask", "layer": %u)", *request.n);
+    what.add(R"("do": "mask", "layer": %u%s)", *request.n, job_member(job).c_str());
   } else {
     what = report_question(question.print, 0);
   }
@@ -121,41 +175,79 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
 HttpAnswer PageServer::access(const HttpRequest& request) {
   return text_.object([&](JsonWriter& json) {
     json.member("page", page_ == PageChoice::kLocal ? "local" : "network");
-    json.member("paired", pairing_.knows(request.token));
+    json.member("paired", browsers_.find(request.token).has_value());
   });
 }
 
-HttpReply PageServer::picture(PictureName name, const HttpTicket& ticket) {
+/// Those that are paired, for those that are.
+HttpAnswer PageServer::browsers(const HttpRequest& request) {
+  const auto own = browsers_.find(request.token);
+  if (!own) return not_paired();
+  return text_.object([&](JsonWriter& json) {
+    json.key("browsers");
+    json.begin_array(JsonWriter::Layout::kOneLine);
+    for (const PairedBrowsers::Browser& one : browsers_.list()) {
+      if (one.number == 0) continue;
+      const auto paired_at = time_text(one.paired_at), seen_at = time_text(one.seen_at);
+      json.begin_object(JsonWriter::Layout::kOneLine);
+      json.member("number", one.number);
+      json.member("name", std::string_view(one.name));
+      json.member("paired_at", paired_at.view().empty() ? std::nullopt : std::optional(paired_at.view()));
+      json.member("seen_at", seen_at.view().empty() ? std::nullopt : std::optional(seen_at.view()));
+      json.member("this", one.number == *own);
+      json.end_object();
+    }
+    json.end_array();
+  });
+}
+
+/// {"browser": 3}: that one may command no more.
+HttpAnswer PageServer::forget(const HttpRequest& request) {
+  const auto number = whole_number(json_member(request.body, "browser")).value_or(0);
+  if (number > UINT32_MAX || !browsers_.forget(static_cast<std::uint32_t>(number))) {
+    return text_.refuse(409, "there is no such browser", "Look at the list again");
+  }
+  limits_.forget(static_cast<std::uint32_t>(number));
+  FixedText<80> text;
+  text.add("forgot browser %u", static_cast<unsigned>(number));
+  log_.say(text.view(), HostClock::now());
+  return text_.object([](JsonWriter& json) { json.member("ok", true); });
+}
+
+HttpReply PageServer::picture(PictureName name, std::uint64_t job, const HttpTicket& ticket) {
   const Picture& kept = pictures_[static_cast<std::size_t>(name)];
   const std::string_view word = kPictureWords[static_cast<std::size_t>(name)];
   const auto pictures = json_member(state_.view(), "pictures");
   const auto number = pictures ? whole_number(json_member(*pictures, word)) : std::nullopt;
-  if (!number) return text_.refuse(404, "there is no such picture now");
-  if (kept.number == *number) {
+  const bool is_at_hand = job == job_of(state_.view());
+  if (is_at_hand && !number) return text_.refuse(404, "there is no such picture now");
+  if (is_at_hand && kept.number == *number) {
     return HttpAnswer{.type = "image/png", .body = {reinterpret_cast<const char*>(kept.png.data()), kept.size}};
   }
-  PrinterQuestion question{.kind = Kind::kPicture, .ticket = ticket, .picture = name};
-  if (const auto id = questions_.in_flight(name)) {
+  PrinterQuestion question{.kind = Kind::kPicture, .ticket = ticket, .picture = name, .job = job};
+  if (const auto id = questions_.in_flight(name, job)) {
     question.id = *id;
     return questions_.ask(question, std::string_view()) ? HttpReply(HttpLater{})
                                                         : text_.refuse(503, "the printer is busy");
   }
-  FixedText<80> what;
-  what.add(R"("do": "picture", "picture": "%.*s")", static_cast<int>(word.size()), word.data());
+  FixedText<100> what;
+  what.add(R"("do": "picture", "picture": "%.*s"%s)", static_cast<int>(word.size()), word.data(),
+           job_member(job).c_str());
   if (!questions_.ask(question, what.c_str())) return text_.refuse(503, "the printer is busy");
   return HttpLater{};
 }
 
 HttpReply PageServer::post(const HttpRequest& request, const HttpTicket& ticket) {
   if (request.path == kBodyPath) return uploads_.whole(ticket);
-  if (request.path != "/command" && request.path != "/pair" && request.path != "/upload") {
+  if (request.path != "/command" && request.path != "/pair" && request.path != "/upload" && request.path != "/forget") {
     HttpAnswer answer = text_.refuse(405, "nothing can be sent there");
     answer.allow = "GET, HEAD";
     return answer;
   }
   if (const auto refusal = distrust(request, "application/json")) return *refusal;
   if (request.path == "/pair") return pair(request);
-  if (!pairing_.knows(request.token)) return not_paired();
+  if (!browsers_.find(request.token)) return not_paired();
+  if (request.path == "/forget") return forget(request);
   return request.path == "/upload" ? uploads_.ask(request.body, ticket) : command(request, ticket);
 }
 
@@ -170,32 +262,61 @@ std::optional<HttpAnswer> PageServer::distrust(const HttpRequest& request, std::
 }
 
 /// {}: show a code on the screen, or pair at once if only this machine can ask. {"code": "482913"}: the person has read it.
+/// {"stop": true}: the browser wants none any more. "ask" is what the browser calls itself meanwhile, "name" what it is called in the list.
 HttpReply PageServer::pair(const HttpRequest& request) {
+  if (page_ == PageChoice::kLocal) return paired_at_once();
   const auto now = HostClock::now();
+  const Asker asker{plain_text(json_member(request.body, "ask")), request.address};
+  if (asker.name.size() > PairingCodes::kLongestName) return text_.refuse(400, "\"ask\" has more than 64 characters");
   const std::string_view code = plain_text(json_member(request.body, "code"));
   std::optional<PageToken> token;
-  if (page_ == PageChoice::kLocal) {
-    token = pairing_.add();
+  std::optional<Error> problem;
+  if (json_member(request.body, "stop") == "true") {
+    codes_.give_up(asker);
   } else if (code.empty()) {
-    const auto made = pairing_.new_code(now);
-    if (!made) return text_.refuse(429, made.error());
-    FixedText<60> what;
-    what.add(R"("do": "code", "code": "%s")", made->c_str());
-    if (!link_.send(question_line(what.c_str(), questions_.next_id()).view())) {
-      return text_.no_daemon();
-    }
-    // For a printer without a screen: whoever may read the log of the machine may command it.
-    std::fprintf(stderr, "plumbline-page: the code for a browser is %s\n", made->c_str());
+    if (!commands_.is_open()) return text_.no_daemon();
+    if (const auto asked = codes_.ask(asker, now); !asked) problem = asked.error();
+  } else if (const auto used = codes_.use(code, asker, now); !used) {
+    problem = used.error();
   } else {
-    const auto made = pairing_.pair(code, now);
-    if (!made) return text_.refuse(403, made.error());
-    token = *made;
-    static_cast<void>(link_.send(question_line(R"("do": "code", "code": "")", questions_.next_id()).view()));
+    const std::string_view name = plain_text(json_member(request.body, "name"));
+    token = browsers_.add(name, std::time(nullptr));
+    const auto number = browsers_.find(token->view()).value_or(0);
+    limits_.showed_token(request.address, number, now);
+    FixedText<160> text;
+    text.add("paired browser %u at %s: %.*s", number, text_of(request.address).c_str(), static_cast<int>(name.size()),
+             name.data());
+    log_.say(text.view(), now);
   }
+  show_code(now);
+  if (problem) return text_.refuse(problem->code() == ErrorCode::kBusy ? 429 : 403, *problem);
   return text_.object([&](JsonWriter& json) {
     json.member("ok", true);
     if (token) json.member("token", token->view());
   });
+}
+
+/// Whoever uses this machine may command the printer, so all its browsers have one token.
+HttpAnswer PageServer::paired_at_once() {
+  if (!browsers_.find(local_token_.view())) local_token_ = browsers_.add("this machine", std::time(nullptr));
+  return text_.object([&](JsonWriter& json) {
+    json.member("ok", true);
+    json.member("token", local_token_.view());
+  });
+}
+
+/// Has the printer show the code there is, if that has changed.
+void PageServer::show_code(HostClock::time_point now) {
+  const std::string_view code = codes_.shown(now);
+  if (code == shown_.view()) return;
+  FixedText<60> what;
+  what.add(R"("do": "code", "code": "%.*s")", static_cast<int>(code.size()), code.data());
+  static_cast<void>(commands_.send(question_line(what.c_str(), orders_.next_id()).view()));
+  shown_.clear();
+  shown_.add("%.*s", static_cast<int>(code.size()), code.data());
+  if (code.empty()) return;
+  // For a printer without a screen: whoever may read the log of the machine may command it.
+  std::fprintf(stderr, "plumbline-page: the code for a browser is %s\n", shown_.c_str());
 }
 
 HttpReply PageServer::command(const HttpRequest& request, const HttpTicket& ticket) {
@@ -203,10 +324,10 @@ HttpReply PageServer::command(const HttpRequest& request, const HttpTicket& tick
   const auto asked = parse_request(request.body, id);
   if (!asked) return text_.refuse(400, asked.error());
   if (!is_command(asked->command)) return text_.refuse(400, "a browser can't command that");
-  const PrinterQuestion question{.kind = Kind::kCommand, .id = questions_.next_id(), .ticket = ticket};
+  const PrinterQuestion question{.kind = Kind::kCommand, .id = orders_.next_id(), .ticket = ticket};
   TextBuffer<1024> line;
   if (!write_request(line, *asked, question.id)) return text_.refuse(400, "the command is too long");
-  if (!questions_.ask(question, line.view())) return text_.no_daemon();
+  if (!orders_.ask(question, line.view())) return text_.no_daemon();
   return HttpLater{};
 }
 
@@ -224,7 +345,7 @@ std::optional<HttpAnswer> PageServer::begin_body(const HttpRequest& request, std
     return answer;
   }
   if (const auto refusal = distrust(request, "application/octet-stream")) return refusal;
-  if (!pairing_.knows(request.token)) return not_paired();
+  if (!browsers_.find(request.token)) return not_paired();
   return uploads_.begin_body(request.n.value_or(0), bytes, ticket);
 }
 
@@ -240,7 +361,10 @@ void PageServer::answer_question(HttpServer& server, const PrinterQuestion& aske
   const bool is_command = asked.kind == Kind::kCommand || asked.kind == Kind::kUpload;
   if (asked.kind == Kind::kUpload) uploads_.answered(is_done ? line : std::string_view());
   if (!is_done && !for_stream) {
-    return server.finish(asked.ticket, {.status = is_command ? 409U : 404U, .body = line});
+    const auto told = json_member(line, "told");
+    const bool is_stale =
+        told && plain_text(json_member(*told, "code")) == to_string(Told(PrinterCode::kJobStale).code);
+    return server.finish(asked.ticket, {.status = is_command ? 409U : is_stale ? 410U : 404U, .body = line});
   }
   switch (asked.kind) {
     case Kind::kNone: return;
@@ -278,11 +402,19 @@ void PageServer::answer_question(HttpServer& server, const PrinterQuestion& aske
   }
 }
 
-void PageServer::end_questions(HttpServer& server, HostClock::time_point now, bool all) {
-  while (const auto asked = questions_.take_late(now, all)) {
+/// Ends those that wait too long, and all of a connection that is gone.
+void PageServer::end_questions(HttpServer& server, PrinterLink& link, PrinterQuestions& questions,
+                               HostClock::time_point now) {
+  while (const auto asked = questions.take_late(now, !link.is_open())) {
+    // The printer must not do later what a browser has given up: it carries out no command of a connection that has ended.
+    if (&link == &commands_) link.end();
     if (asked->kind == Kind::kUpload) uploads_.answered({});
     if (asked->kind == Kind::kReportPart) {
       server.fail(asked->stream);
+    } else if (&link == &commands_) {
+      server.finish(asked->ticket,
+                    text_.refuse(504, "the printer has not answered, so the command was withdrawn",
+                                 "Look at what it does, then try again", PrinterCode::kCommandWithdrawn));
     } else {
       server.finish(asked->ticket,
                     text_.refuse(504, "the printer has not answered", "Look at what it does, then try again"));
@@ -290,26 +422,26 @@ void PageServer::end_questions(HttpServer& server, HostClock::time_point now, bo
   }
 }
 
-void PageServer::receive(HttpServer& server) {
-  const bool was_open = link_.is_open();
-  link_.receive();
-  while (const auto line = link_.take_line()) {
+void PageServer::receive_replies(HttpServer& server, PrinterLink& link, PrinterQuestions& questions) {
+  link.receive();
+  while (const auto line = link.take_line()) {
     const auto type = json_member(*line, "type");
     if (type == "\"reply\"") {
       const auto id = whole_number(json_member(*line, "id"));
-      while (const auto asked = questions_.take(id)) answer_question(server, *asked, *line);
-    } else if (type == "\"state\"") {
+      while (const auto asked = questions.take(id)) answer_question(server, *asked, *line);
+    } else if (type == "\"state\"" && &link == &link_) {
       state_.clear();
       if (!state_.write(*line)) state_.clear();
       uploads_.look_at(*line);
       streams_.tell();
     }
   }
-  if (!was_open || link_.is_open()) return;
+}
+
+void PageServer::lose_printer() {
   state_.clear();
   streams_.tell();
   for (Picture& picture : pictures_) picture.number = 0;  // the next daemon counts from 1
-  end_questions(server, HostClock::now(), true);
 }
 
 std::optional<std::size_t> PageServer::fill(std::size_t stream, const HttpStream& what, bool begins, std::uint64_t sent,
@@ -327,21 +459,32 @@ std::optional<std::size_t> PageServer::fill(std::size_t stream, const HttpStream
 }
 
 void PageServer::run(HttpServer& server) {
-  for (;;) {
+  for (bool was_there = false;;) {
     const auto now = HostClock::now();
+    receive_replies(server, link_, questions_);
+    receive_replies(server, commands_, orders_);
+    if (was_there && !link_.is_open()) lose_printer();
+    end_questions(server, link_, questions_, now);
+    end_questions(server, commands_, orders_, now);
+    // The next daemon does not know the code.
+    if (!commands_.is_open()) shown_.clear();
     link_.connect(now);
-    receive(server);
-    end_questions(server, now, false);
-    uploads_.serve(server, now, link_.is_open());
+    commands_.connect(now);
+    if (commands_.is_open()) show_code(now);
+    was_there = link_.is_open();
+    uploads_.serve(server, now, commands_.is_open());
     const bool hurries = streams_.hurries();
     if (streams_.wakes(now)) server.wake_all(HttpStream::Kind::kEvents);
     server.run();
+    log_.turned_away(server.take_turned_away());
+    log_.count(now);
     const auto until = hurries ? std::min<std::chrono::milliseconds>(server.patience(), PageStreams::kBetweenEvents)
                                : server.patience();
-    std::array<pollfd, 3> files{};
+    std::array<pollfd, 4> files{};
     files[0] = {.fd = server.descriptor(), .events = POLLIN, .revents = 0};
     files[1] = {.fd = link_.is_open() ? link_.descriptor() : -1, .events = POLLIN, .revents = 0};
     files[2] = {.fd = uploads_.awaited(), .events = POLLOUT, .revents = 0};
+    files[3] = {.fd = commands_.is_open() ? commands_.descriptor() : -1, .events = POLLIN, .revents = 0};
     static_cast<void>(::poll(files.data(), files.size(), static_cast<int>(until.count())));
     if (files[2].revents != 0) uploads_.has_room(server);
   }

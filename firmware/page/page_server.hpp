@@ -10,9 +10,12 @@
 #include <vector>
 
 #include "firmware/page/answer_text.hpp"
+#include "firmware/page/clients/client_limits.hpp"
+#include "firmware/page/clients/paired_browsers.hpp"
+#include "firmware/page/clients/pairing_codes.hpp"
 #include "firmware/page/http_server.hpp"
+#include "firmware/page/page_log.hpp"
 #include "firmware/page/page_streams.hpp"
-#include "firmware/page/pairing.hpp"
 #include "firmware/page/printer_link.hpp"
 #include "firmware/page/printer_questions.hpp"
 #include "firmware/page/upload_requests.hpp"
@@ -30,8 +33,11 @@ class PageServer final : public HttpHandler {
   /// @param socket     the printer's state socket; commands go to the one beside it
   /// @param page       not PageChoice::kOff
   /// @param page_host  see is_known_host()
-  PageServer(const std::string& socket, PageChoice page, std::string page_host, Pairing pairing);
+  PageServer(const std::string& socket, PageChoice page, std::string page_host, PairedBrowsers browsers);
 
+  bool is_paired(const ClientAddress& address) override;
+  bool is_flooding(const ClientAddress& address) override;
+  std::optional<HttpAnswer> refuse_early(const HttpRequest& request) override;
   HttpReply answer(const HttpRequest& request, const HttpTicket& ticket) override;
   bool streams_body(std::string_view path) override;
   std::optional<HttpAnswer> begin_body(const HttpRequest& request, std::uint64_t bytes,
@@ -57,22 +63,34 @@ class PageServer final : public HttpHandler {
   std::optional<HttpAnswer> distrust(const HttpRequest& request, std::string_view type);
   HttpReply command(const HttpRequest& request, const HttpTicket& ticket);
   HttpReply pair(const HttpRequest& request);
-  HttpReply picture(PictureName name, const HttpTicket& ticket);
+  HttpAnswer paired_at_once();
+  HttpAnswer browsers(const HttpRequest& request);
+  HttpAnswer forget(const HttpRequest& request);
+  void show_code(HostClock::time_point now);
+  HttpReply picture(PictureName name, std::uint64_t job, const HttpTicket& ticket);
   HttpAnswer access(const HttpRequest& request);
   HttpAnswer not_paired();
 
-  void receive(HttpServer& server);
+  void receive_replies(HttpServer& server, PrinterLink& link, PrinterQuestions& questions);
   void answer_question(HttpServer& server, const PrinterQuestion& asked, std::string_view line);
-  void end_questions(HttpServer& server, HostClock::time_point now, bool all);
+  void lose_printer();
+  void end_questions(HttpServer& server, PrinterLink& link, PrinterQuestions& questions, HostClock::time_point now);
 
   PageChoice page_;
   std::string page_host_;
-  Pairing pairing_;
-  PrinterLink link_;
-  StateLine state_;  ///< the newest; empty: there is no connection
+  PairedBrowsers browsers_;
+  PairingCodes codes_;
+  PageCode shown_;         ///< on the printer's screen
+  PageToken local_token_;  ///< of all browsers of this machine, if the page is for those alone
+  ClientLimits limits_;
+  PageLog log_;
+  PrinterLink link_;      ///< for looking
+  PrinterLink commands_;  ///< of their own: they wait for no picture, and end with it if the printer does not answer
+  StateLine state_;       ///< the newest; empty: there is no connection
   AnswerText text_;
   PrinterQuestions questions_{link_};
-  UploadRequests uploads_{questions_, text_};
+  PrinterQuestions orders_{commands_};
+  UploadRequests uploads_{orders_, text_};
   PageStreams streams_;
   std::array<Picture, kPictureWords.size()> pictures_;
   std::vector<std::byte> mask_;  ///< scratch

@@ -30,14 +30,14 @@ class PrinterLink {
   void receive();
   /// @returns the oldest line that has not been taken, without its end; valid until receive(). None: it has not all come yet
   std::optional<std::string_view> take_line();
+  /// Ends the connection. The printer carries out nothing that it has not taken yet.
+  void end();
   /// Ends the connection if the printer does not take the line at once.
   /// @param file  a descriptor that the printer gets a copy of; below 0: none
   /// @returns whether it was sent
   bool send(std::string_view line, int file = -1);
 
  private:
-  void end();
-
   std::string path_;
   Descriptor socket_;
   HostClock::time_point tried_at_{};

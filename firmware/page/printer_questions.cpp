@@ -22,9 +22,9 @@ bool PrinterQuestions::ask(PrinterQuestion question, const char* what) {
   return ask(question, question_line(what, question.id).view());
 }
 
-std::optional<std::uint64_t> PrinterQuestions::in_flight(PictureName name) const {
+std::optional<std::uint64_t> PrinterQuestions::in_flight(PictureName name, std::uint64_t job) const {
   for (const PrinterQuestion& question : list_) {
-    if (question.kind == Kind::kPicture && question.picture == name) return question.id;
+    if (question.kind == Kind::kPicture && question.picture == name && question.job == job) return question.id;
   }
   return std::nullopt;
 }

@@ -20,6 +20,7 @@ struct PrinterQuestion {
   HttpTicket ticket{};
   std::size_t stream = 0;
   PictureName picture = PictureName::kPreview;
+  std::uint64_t job = 0;    ///< of kPicture: whose
   std::uint32_t print = 0;  ///< of kReportBegin: 0: the last one
   std::chrono::steady_clock::time_point until{};
 };
@@ -42,8 +43,8 @@ class PrinterQuestions {
   bool ask(const PrinterQuestion& question, std::string_view line, int file = -1);
   /// Asks under the next number. @param what  members of the question, as JSON
   bool ask(PrinterQuestion question, const char* what);
-  /// The question for a picture whose answer has not come.
-  std::optional<std::uint64_t> in_flight(PictureName name) const;
+  /// The question for a picture of a job whose answer has not come.
+  std::optional<std::uint64_t> in_flight(PictureName name, std::uint64_t job) const;
   /// Removes a question that waits for the answer with this number, and returns it. Several may wait for one answer.
   std::optional<PrinterQuestion> take(std::optional<std::uint64_t> id);
   /// The same for one that has waited too long. @param all  or any other

@@ -1,8 +1,11 @@
 #include "firmware/page/printer_texts.hpp"
 
+#include "firmware/io/random_id.hpp"
+#include "firmware/io/text/json_cursor.hpp"
 #include "firmware/io/text/json_writer.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/screen/fault_words.hpp"
+#include "firmware/settings/field_words.hpp"
 #include "firmware/told/told_words.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 
@@ -16,8 +19,19 @@ std::string_view plain_text(std::optional<std::string_view> value) {
   return value->substr(1, value->size() - 2);
 }
 
-FixedText<120> question_line(const char* what, std::uint64_t id) {
-  FixedText<120> line;
+std::uint64_t job_of(std::string_view state) {
+  const auto job = json_member(state, "job");
+  return id_of(plain_text(job ? json_member(*job, "id") : std::nullopt)).value_or(0);
+}
+
+FixedText<40> job_member(std::uint64_t job) {
+  FixedText<40> text;
+  if (job != 0) text.add(R"(, "job": "%s")", id_text(job).c_str());
+  return text;
+}
+
+FixedText<160> question_line(const char* what, std::uint64_t id) {
+  FixedText<160> line;
   line.add("{%s, \"id\": %llu}\n", what, static_cast<unsigned long long>(id));
   return line;
 }
@@ -47,6 +61,7 @@ Status write_texts(TextSink& out, Language language) {
   }
   json.end_object();
   write_told_words(json, language);
+  write_field_words(json, language);
   json.end_object();
   return json.finish();
 }

@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kStage = "coverage picture";
 
 /// By Evidence.
-constexpr std::array<Colour, kEvidenceCount> kColours{{{222, 222, 212}, {232, 78, 56}, {74, 138, 232}}};
+constexpr std::array<Rgb, kEvidenceCount> kColours{{{222, 222, 212}, {232, 78, 56}, {74, 138, 232}}};
 constexpr std::array<const char*, kEvidenceCount> kMeanings{"scanned", "not scanned: closed to fit its surroundings",
                                                             "not scanned: underside, closed flat"};
 
@@ -47,7 +47,7 @@ Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const Confiden
     PLUMBLINE_TRY(words);
     extent = find_extent(rrep, *words);
   }
-  const TextStyle plain{.scale = 2, .colour = kInk};
+  const LabelStyle plain{.scale = 2, .colour = kInk};
   if (extent.empty()) return PagePart{};
   const CoverageLayout layout = CoverageLayout::of(extent, grid, page);
   const auto in_samples = [&](float mm) { return mm * static_cast<float>(layout.samples_per_mm); };
@@ -87,10 +87,10 @@ Status draw_coverage(const RRep& rrep, const ConfidenceMap& map, std::string_vie
                      std::span<std::uint8_t> rgb) {
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
   PLUMBLINE_TRY(draw_coverage_views(rrep, map, kCoveragePage, true, arena, picture));
-  const TextStyle title{.scale = 4, .colour = kInk};
+  const LabelStyle title{.scale = 4, .colour = kInk};
   draw_text(picture, kMargin, 38, cut(name, kPreviewColumns - 700, title), title);
   constexpr std::string_view kAbout = "which parts of the surface were scanned";
-  const TextStyle plain{.scale = 2, .colour = kInk};
+  const LabelStyle plain{.scale = 2, .colour = kInk};
   draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
   draw_legend(picture, map);
   return {};

@@ -42,7 +42,7 @@ TileLayout small_layout(std::size_t issues) {
   return {0, 0, columns, rows, columns + kGap, rows + kGap, tiles_a_row};
 }
 
-constexpr Colour kAir{28, 33, 40}, kSolid{206, 202, 192}, kBelow{86, 95, 107}, kIssue{232, 78, 56};
+constexpr Rgb kAir{28, 33, 40}, kSolid{206, 202, 192}, kBelow{86, 95, 107}, kIssue{232, 78, 56};
 
 /// Pixels of the mask that a tile shows at least, on its shorter side.
 constexpr double kLeastShown = 40;
@@ -53,7 +53,7 @@ struct Layer {
   ConstBitImage below;  ///< of the one below; black for layer 0
   const LayerRegions* regions = nullptr;
   std::uint32_t region = LayerRegions::kNone;  ///< the issue's; kNone: it is no region, or they are not known
-  PixelBox box;                                ///< of the region, or of all white pixels
+  RegionBox box;                               ///< of the region, or of all white pixels
 };
 
 bool is_air(IssueKind kind) { return kind == IssueKind::kResinTrap || kind == IssueKind::kSuctionCup; }
@@ -68,8 +68,8 @@ std::uint32_t run_at(const LayerRegions& regions, std::uint32_t column, std::uin
 }
 
 /// The box of a region, or of all white pixels.
-PixelBox box_of(const LayerRegions& regions, std::uint32_t region) {
-  PixelBox box;
+RegionBox box_of(const LayerRegions& regions, std::uint32_t region) {
+  RegionBox box;
   for (std::uint32_t r = 0; r < regions.rows(); ++r) {
     for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
       const auto run = regions.run(i);
@@ -84,7 +84,7 @@ PixelBox box_of(const LayerRegions& regions, std::uint32_t region) {
   return box;
 }
 
-Colour colour_at(const Issue& issue, const Layer& layer, std::uint32_t column, std::uint32_t row) {
+Rgb colour_at(const Issue& issue, const Layer& layer, std::uint32_t column, std::uint32_t row) {
   const bool white = layer.mask.at(column, row);
   const bool below = layer.below.at(column, row);
   bool is_issue = false;
@@ -115,7 +115,7 @@ struct TilePlace {
 
 void draw_tile(const Picture& picture, const TilePlace& place, const TileLayout& tile, const Issue& issue,
                const Layer& layer, const PrintGrid& grid) {
-  const PixelBox& box = layer.box;
+  const RegionBox& box = layer.box;
   const bool whole = box.empty();
   const double wide = whole ? grid.columns : 1.6 * (box.column_end - box.column);
   const double high = whole ? grid.rows : 1.6 * (box.row_end - box.row);
@@ -139,8 +139,8 @@ void draw_tile(const Picture& picture, const TilePlace& place, const TileLayout&
 
 void draw_caption(const Picture& picture, const TilePlace& place, const Issue& issue, const IssueScale& scale) {
   const std::int64_t top = place.top + kPage.rows + 12;
-  const TextStyle plain{.scale = 2, .colour = kInk};
-  const TextStyle pale{.scale = 2, .colour = kPaleInk};
+  const LabelStyle plain{.scale = 2, .colour = kInk};
+  const LabelStyle pale{.scale = 2, .colour = kPaleInk};
   char text[96];
   const IssueWords& words = words_of(issue.kind);
   const bool is_volume = words.size == IssueSize::kVolume;
@@ -215,7 +215,7 @@ auto with_masks(const RRep& rrep, const Supports& supports, Arena& arena, Draw d
 ShownIssues::ShownIssues(const StackFindings& findings) {
   for (std::size_t place = 0; place < IssueGroup::kKept; ++place) {
     for (const IssueGroup& group : findings.groups) {
-      if (place >= group.kept_count || count == kMostShown) continue;
+      if (place >= group.told_kept().size() || count == kMostShown) continue;
       if (group.kept[place].kind != IssueKind::kEmptyLayer) issues[count++] = group.kept[place];
     }
   }
@@ -228,10 +228,10 @@ Status draw_issues(const StackFindings& findings, const PrintGrid& grid, std::st
                    Arena& arena, std::span<std::uint8_t> rgb) {
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
   draw_background(picture);
-  const TextStyle title{.scale = 4, .colour = kInk};
+  const LabelStyle title{.scale = 4, .colour = kInk};
   draw_text(picture, kPage.left, 38, cut(name, kPreviewColumns - 800, title), title);
   constexpr std::string_view kAbout = "issues in red; grey: the layer below";
-  const TextStyle plain{.scale = 2, .colour = kPaleInk};
+  const LabelStyle plain{.scale = 2, .colour = kPaleInk};
   draw_text(picture, std::int64_t{kPreviewColumns} - kPage.left - text_width(kAbout, plain), 52, kAbout, plain);
 
   const IssueScale scale(grid);

@@ -29,23 +29,61 @@ void threshold(std::span<const unsigned char> line, std::uint32_t columns, std::
 /// Whether a level that lies on black with an opacity is in the upper half. Both have 8 bits, or are the upper 8 of 16.
 bool shows(unsigned level, unsigned opacity) { return level * opacity >= 128U * 255U; }
 
+/// Counts a pixel, whose level is white at `full`.
+void count_grey(std::uint64_t level, std::uint64_t full, bool shown, GreyShare& grey) {
+  if (level == 0) return;
+  ++grey.lit;
+  grey.grey += level < full ? 1 : 0;
+  grey.lost += shown ? 0 : 1;
+}
+
 /// The same of grey with opacity.
 void threshold_grey_with_opacity(std::span<const unsigned char> line, std::uint32_t columns, std::size_t step,
-                                 std::span<std::uint64_t> bits) {
+                                 std::span<std::uint64_t> bits, GreyShare* grey) {
   std::fill(bits.begin(), bits.end(), 0);
   for (std::uint32_t column = 0; column < columns; ++column) {
     const unsigned char* const at = &line[step * column];
-    bits[column / 64] |= std::uint64_t{shows(at[0], at[step / 2]) ? 1U : 0U} << (column % 64);
+    const bool shown = shows(at[0], at[step / 2]);
+    bits[column / 64] |= std::uint64_t{shown ? 1U : 0U} << (column % 64);
+    if (grey != nullptr) count_grey(std::uint64_t{at[0]} * at[step / 2], 255U * 255U, shown, *grey);
   }
 }
 
 /// The same of colours: red, green, blue and opacity, 8 bits each.
-void threshold_colours(std::span<const unsigned char> line, std::uint32_t columns, std::span<std::uint64_t> bits) {
+void threshold_colours(std::span<const unsigned char> line, std::uint32_t columns, std::span<std::uint64_t> bits,
+                       GreyShare* grey) {
   std::fill(bits.begin(), bits.end(), 0);
   for (std::uint32_t column = 0; column < columns; ++column) {
     const unsigned char* const at = &line[std::size_t{4} * column];
     const unsigned luma = 299U * at[0] + 587U * at[1] + 114U * at[2];
-    bits[column / 64] |= std::uint64_t{luma * at[3] >= 128'000U * 255U ? 1U : 0U} << (column % 64);
+    const bool shown = luma * at[3] >= 128'000U * 255U;
+    bits[column / 64] |= std::uint64_t{shown ? 1U : 0U} << (column % 64);
+    if (grey != nullptr) count_grey(std::uint64_t{luma} * at[3], 255'000U * 255U, shown, *grey);
+  }
+}
+
+/// Counts the pixels of a row without opacity. Few pixels of a mask are grey: eight at a time are looked at.
+/// @param depth, step  as those of threshold()
+void count_grey(std::span<const unsigned char> line, std::uint32_t columns, std::size_t depth, std::size_t step,
+                GreyShare& grey) {
+  const unsigned white = depth < 8 ? (1U << depth) - 1 : 255;
+  for (std::uint32_t column = 0; column < columns; ++column) {
+    if (depth == 8 && columns - column >= 8) {
+      std::uint64_t eight = 0;
+      std::memcpy(&eight, &line[column], sizeof eight);
+      const bool lit = ~eight == 0;
+      if (eight == 0 || lit) {
+        grey.lit += lit ? 8 : 0;
+        column += 7;
+        continue;
+      }
+    }
+    const std::size_t bit = std::size_t{column} * depth % 8;
+    const unsigned level = depth < 8 ? (line[column * depth / 8] >> (8 - depth - bit)) & white : line[column * step];
+    grey.lit += level > 0 ? 1 : 0;
+    if (level == 0 || level == white) continue;
+    ++grey.grey;
+    grey.lost += 2 * level < white ? 1 : 0;
   }
 }
 
@@ -80,7 +118,8 @@ std::uint64_t most_mask_bytes(std::uint32_t columns, std::uint32_t rows) {
   return raw + raw / 64 + kRest;
 }
 
-Status decode_turned_mask(PngBytes bytes, std::uint64_t most_bytes, const MaskTurn& turn, BitImage out) {
+Status decode_turned_mask(PngBytes bytes, std::uint64_t most_bytes, const MaskTurn& turn, BitImage out,
+                          GreyShare* grey) {
   const std::uint32_t columns = turn.swaps ? out.rows() : out.columns();
   const std::uint32_t rows = turn.swaps ? out.columns() : out.rows();
   out.clear();
@@ -105,11 +144,14 @@ Status decode_turned_mask(PngBytes bytes, std::uint64_t most_bytes, const MaskTu
     PLUMBLINE_TRY(row);
     if (header->is_grey && header->channels == 2) {
       threshold_grey_with_opacity({line.get(), line_bytes}, columns, header->depth / std::size_t{4},
-                                  {bits.get(), words});
+                                  {bits.get(), words}, grey);
     } else if (header->is_grey) {
       threshold({line.get(), line_bytes}, columns, header->depth, header->depth / std::size_t{8}, {bits.get(), words});
+      if (grey != nullptr) {
+        count_grey({line.get(), line_bytes}, columns, header->depth, header->depth / std::size_t{8}, *grey);
+      }
     } else {
-      threshold_colours({line.get(), line_bytes}, columns, {bits.get(), words});
+      threshold_colours({line.get(), line_bytes}, columns, {bits.get(), words}, grey);
     }
     place({bits.get(), words}, *row, turn, out);
   }

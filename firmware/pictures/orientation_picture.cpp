@@ -17,28 +17,28 @@ using namespace preview;
 namespace {
 
 constexpr const char* kStage = "orientation picture";
-constexpr std::array<Colour, 2> kColours{{{222, 222, 212}, {232, 150, 56}}};  // surface, needs supports
-constexpr float kSteep = 0.70710678F;                                         ///< cosine of 45 degrees
-constexpr std::uint32_t kColumns = 350, kRows = 560;                          ///< pixels of a view
-constexpr std::uint32_t kStep = 372;                                          ///< from one view to the next
+constexpr std::array<Rgb, 2> kColours{{{222, 222, 212}, {232, 150, 56}}};  // surface, needs supports
+constexpr float kSteep = 0.70710678F;                                      ///< cosine of 45 degrees
+constexpr std::uint32_t kColumns = 350, kRows = 560;                       ///< pixels of a view
+constexpr std::uint32_t kStep = 372;                                       ///< from one view to the next
 constexpr std::int64_t kLeft = 58, kFloor = 670;
 
-constexpr std::array<Colour, 2> kSidesOfScan{{{222, 222, 212}, {96, 108, 122}}};  // of its surface: outside, inside
-constexpr std::uint32_t kMostPoints = 1U << 17U;                                  ///< of a small picture
+constexpr std::array<Rgb, 2> kSidesOfScan{{{222, 222, 212}, {96, 108, 122}}};  // of its surface: outside, inside
+constexpr std::uint32_t kMostDrawnPoints = 1U << 17U;                          ///< of a small picture
 
 /// Where the object is, and how large.
-struct Sight {
+struct ScanSight {
   Vec3d middle;
   double diagonal;  ///< it fits, so every orientation does
 };
 
-Expected<Sight> find_sight(const Cloud& cloud, Arena& arena) {
+Expected<ScanSight> find_sight(const Cloud& cloud, Arena& arena) {
   const auto core = core_bounds(cloud.positions(), arena);
   PLUMBLINE_TRY(core);
   const auto box = dense_bounds(cloud.positions(), *core, arena);
   PLUMBLINE_TRY(box);
   const Vec3d size = box->size().cast<double>();
-  return Sight{box->centre().cast<double>(), std::max(1e-12, std::sqrt(size.dot(size)))};
+  return ScanSight{box->centre().cast<double>(), std::max(1e-12, std::sqrt(size.dot(size)))};
 }
 
 /// Room for a depth map.
@@ -60,7 +60,7 @@ Expected<MapMemory> take_map(std::uint32_t columns, std::uint32_t rows, Arena& a
 /// @param spacing    distance of these points from each other, unit of the cloud
 /// @param is_second  whether a point with this rotated normal is of the second material
 template <class IsSecond>
-void draw_points(const Cloud& cloud, std::uint32_t step, float spacing, const Mat3d& rotation, const Sight& sight,
+void draw_points(const Cloud& cloud, std::uint32_t step, float spacing, const Mat3d& rotation, const ScanSight& sight,
                  const MapMemory& memory, const IsSecond& is_second) {
   const DepthMap& map = memory.map;
   const double samples = std::min(map.columns, map.rows) / sight.diagonal;
@@ -87,14 +87,14 @@ void draw_points(const Cloud& cloud, std::uint32_t step, float spacing, const Ma
 
 /// What needs supports is the second material.
 void draw_view(const Cloud& cloud, std::uint32_t step, float spacing, const std::array<double, 2>& degrees,
-               const Sight& sight, const MapMemory& memory) {
+               const ScanSight& sight, const MapMemory& memory) {
   const auto is_steep = [](const Vec3d& normal) { return normal[2] < -static_cast<double>(kSteep); };
   draw_points(cloud, step, spacing, rotation_matrix({degrees[0], degrees[1], 0}), sight, memory, is_steep);
 }
 
 /// What the small pictures of one cloud share.
 struct Studio {
-  Sight sight;
+  ScanSight sight;
   MapMemory memory;
 };
 
@@ -111,7 +111,7 @@ Expected<Studio> set_up(const Cloud& cloud, Arena& arena) {
 
 /// Shades what was drawn into the map.
 template <class SmallPicture>
-void fill_in(SmallPicture& picture, const MapMemory& memory, const std::array<Colour, 2>& colours) {
+void fill_in(SmallPicture& picture, const MapMemory& memory, const std::array<Rgb, 2>& colours) {
   picture.columns = SmallPicture::kMostColumns;
   picture.rows = SmallPicture::kMostRows;
   const Picture page{picture.bytes(), picture.columns, picture.rows};
@@ -132,8 +132,8 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
   const auto memory = take_map(kColumns * kSamplesPerPixel, kRows * kSamplesPerPixel, arena);
   PLUMBLINE_TRY(memory);
   draw_background(picture);
-  const TextStyle title{.scale = 4, .colour = kInk};
-  const TextStyle plain{.scale = 2, .colour = kInk};
+  const LabelStyle title{.scale = 4, .colour = kInk};
+  const LabelStyle plain{.scale = 2, .colour = kInk};
   draw_text(picture, kLeft, 38, cut(name, kPreviewColumns - 700, title), title);
   constexpr std::string_view kAbout = "the best orientations; what needs supports is orange";
   draw_text(picture, std::int64_t{kPreviewColumns} - kLeft - text_width(kAbout, plain), 52, kAbout, plain);
@@ -160,7 +160,7 @@ Status draw_proposal_pictures(const Cloud& cloud, float spacing, std::span<const
   const ArenaScope scope(arena);
   const auto studio = set_up<ProposalPicture>(cloud, arena);
   PLUMBLINE_TRY(studio);
-  const std::uint32_t step = cloud.size / kMostPoints + 1;
+  const std::uint32_t step = cloud.size / kMostDrawnPoints + 1;
   const float apart = spacing * std::sqrt(static_cast<float>(step));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     draw_view(cloud, step, apart, degrees[i], studio->sight, studio->memory);

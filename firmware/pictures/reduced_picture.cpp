@@ -28,7 +28,7 @@ struct Sum {
     opacity += opaque;
     ++count;
   }
-  Colour colour() const {
+  Rgb colour() const {
     const auto mean = [this](std::uint64_t sum) { return static_cast<std::uint8_t>(sum / opacity); };
     return {mean(red), mean(green), mean(blue)};
   }

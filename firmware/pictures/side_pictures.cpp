@@ -30,7 +30,7 @@ constexpr std::size_t kSamplesOfASide = std::size_t{kColumns} * kRows;
 enum class Cell : std::uint8_t { kEmpty, kObject, kSupport };
 
 /// Sides of a cell that have no other one next to them, as bits. Nobody looks from below.
-enum Face : std::uint8_t { kRight = 1, kLeft = 2, kBack = 4, kFront = 8, kTop = 16 };
+enum CellFace : std::uint8_t { kRight = 1, kLeft = 2, kBack = 4, kFront = 8, kTop = 16 };
 
 /// Half-open range of cells.
 struct Cells {

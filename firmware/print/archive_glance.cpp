@@ -37,7 +37,7 @@ Expected<RRep> sample_layers(LayerArchive& archive, const PrinterVolume& printer
   const auto kept = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(affordable, 1, kMostLayers));
   const std::uint32_t step = (layers + kept - 1) / kept;
   const std::uint32_t side = (std::max(columns, rows) + kMostColumns - 1) / kMostColumns;
-  const Sl1Settings& settings = archive.settings();
+  const ArchiveSettings& settings = archive.settings();
   PrintGrid grid;
   grid.columns = std::max(columns / side, 1U);
   grid.rows = std::max(rows / side, 1U);
@@ -45,9 +45,9 @@ Expected<RRep> sample_layers(LayerArchive& archive, const PrinterVolume& printer
   const auto pitch = [side](std::optional<double> panel, std::uint32_t pixels, float printers) {
     return static_cast<float>(side) * (panel ? static_cast<float>(*panel / pixels) : printers);
   };
-  grid.pitch_x_mm = pitch(settings.width_mm, columns, printer.pitch_x_mm);
-  grid.pitch_y_mm = pitch(settings.depth_mm, rows, printer.pitch_y_mm);
-  const float height = settings.layer_height_mm ? static_cast<float>(*settings.layer_height_mm) : kLayerHeightMm;
+  grid.pitch_x_mm = pitch(settings.width_mm(), columns, printer.pitch_x_mm);
+  grid.pitch_y_mm = pitch(settings.depth_mm(), rows, printer.pitch_y_mm);
+  const auto height = static_cast<float>(settings.value(PrintKey::kLayerHeight).value_or(kLayerHeightMm));
   grid.layer_height_mm = static_cast<float>(step) * height;
   const std::size_t all = BitImage::words_needed(columns, rows), few = BitImage::words_needed(grid.columns, grid.rows);
   const auto words = arena.take_top<std::uint64_t>(all + 2 * few, kStage);

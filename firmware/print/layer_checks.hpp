@@ -1,5 +1,7 @@
 #pragma once
-/// Checks for every layer: temperatures before its light, the dose after it.
+/// Checks for every layer: temperatures and fans before its light, the dose after it.
+
+#include <array>
 
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/plan/print_settings.hpp"
@@ -7,21 +9,30 @@
 #include "hal/thermals.hpp"
 #include "hal/uv_lamp.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/words/told.hpp"
 
 namespace plumbline {
 
 struct LayerFinding {
   FaultCode fault = FaultCode::kNone;  ///< kNone: all is well
   FixedText<160> text;
+  Told told;
 };
 
-/// Whether lamp and resin are within their limits.
-/// @returns kLampTooHot, kResinTooCold, kResinTooWarm, or kNone
-FaultCode temperature_fault(Celsius lamp, Celsius resin, const PrintSettings& settings);
+/// By TemperatureSite.
+using Temperatures = std::array<Celsius, kTemperatureSiteCount>;
 
-/// @returns kFanStalled or temperature_fault(). A lamp that is too hot need not end a print: it can cool down
 /// @retval ErrorCode::kSensorDead, kPowerLost
-[[nodiscard]] Expected<LayerFinding> check_temperatures(const Thermals& thermals, const PrintSettings& settings);
+[[nodiscard]] Expected<Temperatures> read_temperatures(const Thermals& thermals);
+
+/// Whether a print may go on at these temperatures.
+/// @param waits  it already waits for them: so that it does not go on and off, they must be well within their limits
+/// @returns kLampTooHot, kResinTooCold, kResinTooWarm, kBoardTooHot, or kNone. None of them need end a print: it can wait
+LayerFinding check_temperatures(const Temperatures& found, const PrintSettings& settings, bool waits);
+
+/// Whether all fans turn that should.
+/// @returns kFanStalled, kChamberFanStalled, or kNone
+LayerFinding check_fans(const Thermals& thermals);
 
 /// How far a measured dose is off, as a share of the expected one.
 double dose_error(const ExposureReport& exposure, Dose expected);

@@ -1,6 +1,7 @@
 #include "firmware/print/print_checks.hpp"
 
 #include "firmware/print/layer_checks.hpp"
+#include "firmware/print/tank_fill.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/core/words/plural.hpp"
@@ -8,14 +9,18 @@
 namespace plumbline {
 namespace {
 
+/// Share of a layer's height by which layers may differ without a word.
+constexpr double kUnevenNoted = 0.01;
+
 CheckOutcome passed_if(bool good) { return good ? CheckOutcome::kPassed : CheckOutcome::kFailed; }
 CheckOutcome noted_unless(bool good) { return good ? CheckOutcome::kPassed : CheckOutcome::kWarned; }
 
 }  // namespace
 
-Status PrintChecks::run(const PrintGrid& masks, std::uint64_t cured_pixels, bool has_journal) {
+Status PrintChecks::run(const PrintGrid& masks, std::uint64_t cured_pixels, std::optional<double> left_ml,
+                        bool has_journal) {
   check_job(has_journal);
-  check_resin(cured_pixels);
+  check_resin(cured_pixels, left_ml);
   check_lamp_dark();
   PLUMBLINE_TRY(check_panel(masks));
   check_cover();
@@ -62,15 +67,24 @@ void PrintChecks::check_job(bool has_journal) {
                                                       : PrinterCode::kCheckMasksClean;
   conclude(Check::kMasks, noted_unless(!settings_.has_issues));
 
-  const Distance first = plan.layer_height + plan.first_layer_more;
-  const bool first_is_dark = settings_.first_cure_depth <= first;
-  const Distance height = first_is_dark ? first : plan.layer_height;
+  // As high as the stage's steps make them: what is planned may be lower.
+  const PlanRun& run = settings_.run;
+  const bool first_is_dark = settings_.first_cure_depth <= run.first;
+  const Distance height = first_is_dark ? run.first : run.thickest;
   const Distance depth = first_is_dark ? settings_.first_cure_depth : settings_.cure_depth;
   result(Check::kLight)
       .detail.add("%s of %.3f mm cures %.3f mm deep", first_is_dark ? "the first layer" : "a layer",
                   height.millimetres(), depth.millimetres());
   result(Check::kLight).told = {PrinterCode::kCheckLight,
                                 {{Fact::kHeightMm, height.millimetres()}, {PrinterFact::kCureMm, depth.millimetres()}}};
+  if ((run.thickest - run.thinnest).millimetres() > kUnevenNoted * plan.layer_height.millimetres()) {
+    result(Check::kLight)
+        .detail.add("; on the stage's steps the layers are %.4f to %.4f mm high", run.thinnest.millimetres(),
+                    run.thickest.millimetres());
+    result(Check::kLight).told.code = static_cast<ToldCode>(PrinterCode::kCheckLightSteps);
+    result(Check::kLight).told.add(static_cast<Fact>(PrinterFact::kThinnestMm), run.thinnest.millimetres());
+    result(Check::kLight).told.add(static_cast<Fact>(PrinterFact::kThickestMm), run.thickest.millimetres());
+  }
   conclude(Check::kLight, passed_if(depth > height), FaultCode::kTooLittleLight);
 
   result(Check::kJournal).detail.add("%s", has_journal ? "kept" : "none, so a power cut ends the print for good");
@@ -78,15 +92,28 @@ void PrintChecks::check_job(bool has_journal) {
   conclude(Check::kJournal, noted_unless(has_journal));
 }
 
-void PrintChecks::check_resin(std::uint64_t cured_pixels) {
+void PrintChecks::check_resin(std::uint64_t cured_pixels, std::optional<double> left_ml) {
   const double needed = static_cast<double>(settings_.cured_pixels - cured_pixels) * settings_.pixel_ml +
                         (cured_pixels == 0 ? settings_.first_layer_more_ml : 0);
-  const bool enough = needed <= settings_.tank_ml;
-  result(Check::kResin)
-      .detail.add("%.1f ml needed, a full tank holds %.0f ml%s", needed, settings_.tank_ml,
-                  enough ? "" : "; the print will pause for more");
-  result(Check::kResin).told = {enough ? PrinterCode::kCheckResin : PrinterCode::kCheckResinShort,
-                                {{PrinterFact::kNeededMl, needed}, {PrinterFact::kTankMl, settings_.tank_ml}}};
+  const double tank = settings_.tank_ml;
+  CheckResult& check = result(Check::kResin);
+  check.detail.add("%.1f ml needed, ", needed);
+  const PrinterFact needs = PrinterFact::kNeededMl, left = PrinterFact::kLeftMl;
+  bool enough = false;
+  if (!left_ml) {
+    check.detail.add("nobody has said how much is in the tank");
+    check.told = {PrinterCode::kCheckResinUnknown, {{needs, needed}}};
+  } else if (needs_filling(left_ml, needed, tank)) {
+    check.detail.add("%.1f ml in the tank: it is to be filled before", *left_ml);
+    check.told = {PrinterCode::kCheckResinFill, {{needs, needed}, {left, *left_ml}}};
+  } else if (needed > usable_ml(left_ml, tank)) {
+    check.detail.add("a full tank holds %.0f ml; the print will pause for more", tank);
+    check.told = {PrinterCode::kCheckResinShort, {{needs, needed}, {PrinterFact::kTankMl, tank}}};
+  } else {
+    check.detail.add("%.1f ml in the tank", *left_ml);
+    check.told = {PrinterCode::kCheckResin, {{needs, needed}, {left, *left_ml}}};
+    enough = true;
+  }
   conclude(Check::kResin, noted_unless(enough));
 }
 
@@ -139,25 +166,29 @@ void PrintChecks::check_cover() {
 
 Status PrintChecks::check_temperatures() {
   CheckResult& check = result(Check::kTemperatures);
-  const auto lamp = machine_.thermals.temperature(TemperatureSite::kLamp);
-  const auto resin = machine_.thermals.temperature(TemperatureSite::kResin);
-  for (const auto* reading : {&lamp, &resin}) {
-    if (*reading) continue;
-    if (reading->error().code() == ErrorCode::kPowerLost) return tl::unexpected<Error>(reading->error());
-    conclude_failed(Check::kTemperatures, reading->error());
+  const auto found = read_temperatures(machine_.thermals);
+  if (!found) {
+    if (found.error().code() == ErrorCode::kPowerLost) return tl::unexpected<Error>(found.error());
+    conclude_failed(Check::kTemperatures, found.error());
     return {};
   }
-  check.detail.add("lamp %.1f degrees C, at most %.0f allowed; resin %.1f degrees C, %.0f to %.0f allowed",
-                   lamp->value(), settings_.lamp_max.value(), resin->value(), settings_.resin_min.value(),
-                   settings_.resin_max.value());
+  const double lamp = (*found)[0].value(), resin = (*found)[1].value(), board = (*found)[2].value();
+  const LayerFinding finding = plumbline::check_temperatures(*found, settings_, false);
+  const bool good = finding.fault == FaultCode::kNone;
+  check.detail.add(
+      "lamp %.1f degrees C, at most %.0f allowed; resin %.1f degrees C, %.0f to %.0f allowed; board %.1f "
+      "degrees C, at most %.0f allowed%s",
+      lamp, settings_.lamp_max.value(), resin, settings_.resin_min.value(), settings_.resin_max.value(), board,
+      settings_.board_max.value(), good ? "" : "; the print waits for that");
   check.told = {PrinterCode::kCheckTemperatures,
-                {{PrinterFact::kLampC, lamp->value()},
+                {{PrinterFact::kLampC, lamp},
                  {PrinterFact::kLampLimitC, settings_.lamp_max.value()},
-                 {PrinterFact::kResinC, resin->value()},
+                 {PrinterFact::kResinC, resin},
                  {PrinterFact::kResinLeastC, settings_.resin_min.value()},
-                 {PrinterFact::kResinMostC, settings_.resin_max.value()}}};
-  const FaultCode code = temperature_fault(*lamp, *resin, settings_);
-  conclude(Check::kTemperatures, passed_if(code == FaultCode::kNone), code);
+                 {PrinterFact::kResinMostC, settings_.resin_max.value()},
+                 {PrinterFact::kBoardC, board},
+                 {PrinterFact::kBoardLimitC, settings_.board_max.value()}}};
+  conclude(Check::kTemperatures, noted_unless(good));
   return {};
 }
 

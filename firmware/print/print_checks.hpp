@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "firmware/print/plan/print_settings.hpp"
 #include "firmware/print/status/fault.hpp"
@@ -23,8 +24,10 @@ class PrintChecks {
   /// Runs all checks but that of the stage, so that the user learns everything that is wrong at once. Nothing moves or lights.
   /// @param masks         the grid of the print's masks
   /// @param cured_pixels  before this run
+  /// @param left_ml       resin in the tank; none: unknown
   /// @retval ErrorCode::kPowerLost
-  [[nodiscard]] Status run(const PrintGrid& masks, std::uint64_t cured_pixels, bool has_journal);
+  [[nodiscard]] Status run(const PrintGrid& masks, std::uint64_t cured_pixels, std::optional<double> left_ml,
+                           bool has_journal);
 
   /// The homing at the start of the print checks the stage.
   void stage_homed();
@@ -38,7 +41,7 @@ class PrintChecks {
 
  private:
   void check_job(bool has_journal);
-  void check_resin(std::uint64_t cured_pixels);
+  void check_resin(std::uint64_t cured_pixels, std::optional<double> left_ml);
   [[nodiscard]] Status check_panel(const PrintGrid& masks);
   void check_lamp_dark();
   void check_cover();

@@ -1,24 +1,27 @@
 #include "firmware/print/print_job.hpp"
 
 #include <algorithm>
+#include <utility>
 
-#include "firmware/print/layer_checks.hpp"
 #include "firmware/print/resume_check.hpp"
 #include "firmware/print/status/state_lights.hpp"
+#include "firmware/print/tank_fill.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
 
-/// Share of a full tank that is printed before the print asks for more. The rest no longer flows under the plate. A trade-off: a
-/// larger share risks layers without resin, a smaller one asks too early.
-constexpr double kUsableTank = 0.95;
 /// How often a waiting print reads its switches and updates its observer. Shorter responds faster, longer spares the processor.
 constexpr auto kLook = std::chrono::milliseconds(200);
 /// Left of an exposure when its observer may look at the next mask. A core of x86-64 makes a picture of the largest panel in 6 ms; a board
 /// may take many times as long.
 constexpr auto kTimeToLook = std::chrono::milliseconds(300);
-/// How often the lamp's temperature is read while it cools, which takes minutes.
+/// How often temperatures and fans are looked at while the print waits for them, which takes minutes.
 constexpr auto kCoolingLook = std::chrono::seconds(2);
+/// How long all must be well before it goes on: a fan that turns now and then is none.
+constexpr auto kSteady = std::chrono::seconds(10);
+/// How long it waits before it asks a person. Resin that is warmed takes half an hour.
+constexpr auto kLongWait = std::chrono::hours(1);
 
 /// Whether a mask could not be made although the panel works. The layer below cures whole; the mask is tried again before its own light.
 bool is_of_mask(ErrorCode code) {
@@ -29,13 +32,8 @@ bool is_of_mask(ErrorCode code) {
 }  // namespace
 
 PrintJob::PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
-                   PlateRecord* plate, std::span<ExposureLine> exposures, PrintObserver& observer)
-    : machine_(machine),
-      settings_(settings),
-      masks_(masks),
-      journal_(journal),
-      plate_record_(plate),
-      observer_(observer) {
+                   MachineRecord& record, std::span<ExposureLine> exposures, PrintObserver& observer)
+    : machine_(machine), settings_(settings), masks_(masks), journal_(journal), record_(record), observer_(observer) {
   report_.room = exposures;
 }
 
@@ -51,7 +49,12 @@ const PrintReport& PrintJob::print(const JournalEntry& from) {
   report_.layers = plan_.layers;
   report_.first_layer = from.next_layer;
   report_.estimated = print_time(plan_) - (remaining_time(plan_, 0) - remaining_time(plan_, from.next_layer));
-  poured_ml_ = used_ml();
+  // Whatever ended the run before may have lit the layer at hand.
+  at_hand_lit_ = from.at_hand_pixels > 0;
+  const nanoseconds after_homing = time_to_end(plan_, plan_.highest, from.next_layer, from.lit);
+  // Where the plate stands is not known before the end stop is found: it may be far below.
+  const auto at = machine_.stage.position();
+  expect(homing_time(plan_, at.value_or(ZPosition())) + after_homing, after_homing);
   apply(PrintEvent::kJobResumed);
   while (!at_rest(state_)) {
     const auto done = step();
@@ -72,6 +75,11 @@ void PrintJob::apply(PrintEvent event) {
   state_ = next(state_, event);
   if (state_ == before) return;
   if (before == PrintState::kPrinting && is_pause(state_)) ++report_.pauses;
+  if (waits_for_start(state_)) watch_.asks();
+  if (state_ == PrintState::kPrinting) {
+    const auto at = machine_.stage.position();
+    expect(time_to_end(plan_, at.value_or(plan_.highest), entry_.next_layer, entry_.lit), {});
+  }
   show_on_panel(machine_.panel, state_);
   notify();
 }
@@ -96,7 +104,11 @@ void PrintJob::go_on() {
     static_cast<void>(machine_.panel.beep(std::chrono::milliseconds(200)));
     return;
   }
-  if (state_ == PrintState::kFeedMe) poured_ml_ = used_ml();
+  // Whoever fills the tank and says how far has answered already.
+  if (state_ == PrintState::kFeedMe && record_.fills() == fills_before_) {
+    if (const auto filled = record_.fill(fill_ml_); !filled) return fail_with(filled.error());
+  }
+  waited_long_ = false;
   if (doubt_ == Doubt::kAsked) doubt_ = Doubt::kNone;
   apply(PrintEvent::kResumeAsked);
 }
@@ -104,21 +116,51 @@ void PrintJob::go_on() {
 void PrintJob::notify() {
   PrintStatus status;
   status.state = state_;
+  const bool may_pause =
+      state_ == PrintState::kChecks || state_ == PrintState::kHoming || state_ == PrintState::kPrinting;
+  if (watch_.pending() == Request::kPause && may_pause) status.note = PrintNote::kPauseTaken;
+  if (is_raise_to_end(state_) && machine_.panel.cover_open()) status.note = PrintNote::kCoverFirst;
   status.layer = entry_.next_layer;
   status.layers = plan_.layers;
   status.height = height_of(plan_, layer_at_hand());
   status.now = machine_.clock.now();
   status.elapsed = elapsed();
-  status.remaining = remaining_time(plan_, entry_.next_layer);
+  status.remaining = time_left();
   status.slack = slack_;
   status.resin_ml = used_ml();
   FixedText<160> question;
   if (doubt_ == Doubt::kAsked) {
     question = question_about(entry_);
     status.question_told = told_question(entry_);
+  } else if (state_ == PrintState::kFeedMe) {
+    question = fill_question(record_.resin_ml(), fill_ml_);
+    status.question_told = told_fill_question(record_.resin_ml(), fill_ml_);
+  } else if (state_ == PrintState::kCoolingDown) {
+    question.add("%s. The print goes on by itself", explain(hindrance_.fault, hindrance_.text.view()).what.c_str());
+    status.question_told = hindrance_.told;
+  } else if (waited_long_) {
+    question.add("%s, for an hour: press start to wait again, or cancel", hindrance_.text.c_str());
+    status.question_told = PrinterCode::kWaitedLong;
   }
   status.question = question.view();
   if (!observer_.update(status)) watch_.request(Request::kCancel);
+}
+
+void PrintJob::expect(nanoseconds left, nanoseconds after) {
+  expected_at_ = machine_.clock.now();
+  left_ = left;
+  left_after_ = after;
+}
+
+/// Falls with the time, and never rises but for a pause.
+nanoseconds PrintJob::time_left() {
+  if (state_ == PrintState::kFinished || state_ == PrintState::kCancelled) return {};
+  if (is_pause(state_)) {
+    const auto at = machine_.stage.position();
+    return told_left_ = time_to_end(plan_, at.value_or(plan_.highest), entry_.next_layer, entry_.lit);
+  }
+  const nanoseconds left = std::max(left_ - (machine_.clock.now() - expected_at_), left_after_);
+  return told_left_ = std::min(told_left_, left);
 }
 
 void PrintJob::fault(FaultCode code, std::string_view finding, const Told& told) {
@@ -159,17 +201,19 @@ Status PrintJob::step() {
 }
 
 Status PrintJob::run_checks() {
-  PLUMBLINE_TRY(checks_.run(masks_.grid(), entry_.cured_pixels, journal_ != nullptr));
+  PLUMBLINE_TRY(checks_.run(masks_.grid(), entry_.cured_pixels, record_.resin_ml(), journal_ != nullptr));
   if (checks_.fault() != FaultCode::kNone) {
     fault(checks_.fault(), checks_.failed().detail.view(), checks_.failed().told);
     return {};
   }
   // From here on a part may be on the plate, whatever ends this program.
-  if (plate_record_ != nullptr) PLUMBLINE_TRY(plate_record_->take());
+  PLUMBLINE_TRY(record_.begin_print(journal_ != nullptr ? journal_->job_hash() : 0,
+                                    {settings_.pixel_ml, settings_.first_layer_more_ml}));
   report_.begun = true;
   PLUMBLINE_TRY(machine_.thermals.set_fan(Fan::kLamp, 1));
   PLUMBLINE_TRY(machine_.thermals.set_fan(Fan::kChamber, 1));
-  if (report_.first_layer > 0) report_.marked_layer = report_.first_layer;
+  // An interruption after the last layer shows nowhere.
+  if (report_.first_layer > 0 && report_.first_layer < plan_.layers) report_.marked_layer = report_.first_layer;
   apply(PrintEvent::kChecksPassed);
   return {};
 }
@@ -209,14 +253,18 @@ Status PrintJob::print_layer() {
     return {};
   }
   const TimePoint layer_began = machine_.clock.now();
-  const auto temperatures = check_temperatures(machine_.thermals, settings_);
-  PLUMBLINE_TRY(temperatures);
-  if (temperatures->fault == FaultCode::kLampTooHot) {
-    apply(PrintEvent::kTooHot);
+  expect(time_to_end(plan_, machine_.stage.position().value_or(plan_.highest), layer, entry_.lit),
+         time_to_end(plan_, lift_from(plan_, layer)[1].target, layer + 1));
+  if (!std::exchange(tank_is_looked_at_, true) &&
+      needs_filling(record_.resin_ml(), left_to_print_ml(), settings_.tank_ml)) {
+    ask_for_resin();
     return {};
   }
-  if (temperatures->fault != FaultCode::kNone) {
-    fault(temperatures->fault, temperatures->text.view());
+  const auto found = look_at_machine(false);
+  PLUMBLINE_TRY(found);
+  if (found->fault != FaultCode::kNone) {
+    hindrance_ = *found;
+    apply(PrintEvent::kTooHot);
     return {};
   }
   if (!mask_ || mask_layer_ != layer) {
@@ -224,8 +272,13 @@ Status PrintJob::print_layer() {
     observer_.mask_made(layer, mask_->image());
   }
   if (needs_resin()) {
-    apply(PrintEvent::kResinLow);
+    ask_for_resin();
     return {};
+  }
+  if (entry_.at_hand_pixels != mask_facts_.pixels) {
+    // So that a power cut under its light is known to have used them.
+    entry_.at_hand_pixels = static_cast<std::uint32_t>(mask_facts_.pixels);
+    PLUMBLINE_TRY(write_spare());
   }
   const auto lowered = plate_.lower_to(layer);
   PLUMBLINE_TRY(lowered);
@@ -273,8 +326,33 @@ Status PrintJob::render(std::uint32_t layer) {
 
 /// Whether the tank has too little resin for the layer whose mask is rendered.
 bool PrintJob::needs_resin() const {
-  const double layer_ml = static_cast<double>(mask_facts_.pixels) * settings_.pixel_ml;
-  return used_ml() - poured_ml_ + layer_ml > kUsableTank * settings_.tank_ml;
+  if (at_hand_lit_) return false;  // its resin is cured already
+  return layer_ml() > usable_ml(record_.resin_ml(), settings_.tank_ml);
+}
+
+void PrintJob::ask_for_resin() {
+  fill_ml_ = fill_to_ml(std::max(left_to_print_ml(), mask_ ? layer_ml() : 0), settings_.tank_ml);
+  fills_before_ = record_.fills();
+  apply(PrintEvent::kResinLow);
+}
+
+/// Temperatures and fans: what keeps the print from going on.
+/// @param waits  it waits for that already
+Expected<LayerFinding> PrintJob::look_at_machine(bool waits) {
+  const auto temperatures = read_temperatures(machine_.thermals);
+  PLUMBLINE_TRY(temperatures);
+  for (std::size_t i = 0; i < temperatures->size(); ++i) {
+    record_.felt(static_cast<TemperatureSite>(i), (*temperatures)[i]);
+  }
+  const LayerFinding found = check_temperatures(*temperatures, settings_, waits);
+  return found.fault != FaultCode::kNone ? found : check_fans(machine_.thermals);
+}
+
+/// Tells the record what the print has used so far.
+void PrintJob::note_use() {
+  record_.note({.pixels = entry_.cured_pixels + (at_hand_lit_ ? entry_.at_hand_pixels : 0),
+                .layers = entry_.next_layer,
+                .lamp = entry_.lamp});
 }
 
 /// @returns false: interrupted before the layer had all its light
@@ -288,6 +366,7 @@ Expected<bool> PrintJob::expose() {
     return false;
   }
   PLUMBLINE_TRY(exposure);
+  at_hand_lit_ = true;
   slack_.reset();
   if (layer + 1 < plan_.layers) {
     const auto rendered = render(layer + 1);
@@ -302,6 +381,7 @@ Expected<bool> PrintJob::expose() {
   const auto report = exposure->finish();
   PLUMBLINE_TRY(report);
   entry_.lit += report->lit;
+  entry_.lamp += report->lit;
   record(*report);
   if (state_ != PrintState::kPrinting) return false;
   // The lamp goes dark before the cover's event arrives, which may still be in the queue.
@@ -315,7 +395,10 @@ Status PrintJob::layer_cured() {
   entry_.next_layer = layer + 1;
   entry_.height = height_of(plan_, layer);
   entry_.cured_pixels += shown_facts_.pixels;
+  entry_.at_hand_pixels = mask_ && mask_layer_ == layer + 1 ? static_cast<std::uint32_t>(mask_facts_.pixels) : 0;
   entry_.lit = {};
+  at_hand_lit_ = false;
+  note_use();
   PLUMBLINE_TRY(write_journal());
   PLUMBLINE_TRY(watch_.wait(plan_.rest_after_exposure));
   const auto lifted = plate_.lift(layer);
@@ -378,6 +461,8 @@ Status PrintJob::raise_to_pause() {
 }
 
 Status PrintJob::raise_to_end() {
+  if (machine_.panel.cover_open()) return wait_to_raise();
+  expect(time_to_end(plan_, machine_.stage.position().value_or(ZPosition()), plan_.layers), {});
   // A print that is cancelled while it homes does not know its height. Homing goes up, too.
   const auto raised =
       machine_.stage.homed() ? plate_.raise(layer_at_hand(), {plan_.highest, plan_.fastest}) : Expected<bool>(true);
@@ -385,8 +470,22 @@ Status PrintJob::raise_to_end() {
   if (*raised) {
     // Homing again shows whether the stage was still where its steps said.
     PLUMBLINE_TRY(plate_.home());
-    apply(PrintEvent::kRaised);
+    if (watch_.pending() != Request::kCoverOpened || machine_.stage.homed()) apply(PrintEvent::kRaised);
   }
+  apply_pending();
+  return {};
+}
+
+/// A hand may be inside, so the plate stays where it is until the cover is closed.
+Status PrintJob::wait_to_raise() {
+  watch_.take();
+  notify();
+  while (machine_.panel.cover_open() && !watch_.interrupted()) {
+    PLUMBLINE_TRY(watch_.wait(kLook));
+    notify();
+  }
+  // No person can ask for this: the observer wants the print to end at once, as it is.
+  if (watch_.pending() == Request::kCancel) apply(PrintEvent::kRaised);
   apply_pending();
   return {};
 }
@@ -416,13 +515,26 @@ Status PrintJob::wait_for_cover() {
 Status PrintJob::cool_down() {
   mask_.reset();
   PLUMBLINE_TRY(raise_for_pause());
+  const TimePoint began = machine_.clock.now();
+  TimePoint well_since = began;
   while (!apply_pending() && state_ == PrintState::kCoolingDown) {
     PLUMBLINE_TRY(watch_.wait(kCoolingLook));
     notify();
-    const auto lamp = machine_.thermals.temperature(TemperatureSite::kLamp);
-    PLUMBLINE_TRY(lamp);
-    if (*lamp < settings_.lamp_resume) apply(PrintEvent::kCooledDown);
+    const auto found = look_at_machine(true);
+    PLUMBLINE_TRY(found);
+    const TimePoint now = machine_.clock.now();
+    if (found->fault != FaultCode::kNone) {
+      hindrance_ = *found;
+      well_since = now;
+    }
+    waited_long_ = now - began >= kLongWait;
+    if (now - well_since >= kSteady) {
+      apply(PrintEvent::kCooledDown);
+    } else if (waited_long_) {
+      apply(PrintEvent::kPauseAsked);
+    }
   }
+  waited_long_ = waited_long_ && state_ == PrintState::kPaused;
   return {};
 }
 
@@ -443,7 +555,11 @@ void PrintJob::make_safe() {
     static_cast<void>(plate_.raise(layer, to));
     if (powered) static_cast<void>(note_stand());
   }
-  static_cast<void>(machine_.thermals.set_fan(Fan::kLamp, 0));
+  note_use();
+  // A lamp that is lit, or that nobody guards, is cooled for as long as the printer has power.
+  const bool may_be_lit =
+      machine_.lamp.lit() || report_.fault == FaultCode::kLampStuckOn || report_.fault == FaultCode::kLampKeeper;
+  static_cast<void>(machine_.thermals.set_fan(Fan::kLamp, may_be_lit ? 1 : 0));
   static_cast<void>(machine_.thermals.set_fan(Fan::kChamber, 0));
 }
 

@@ -8,6 +8,7 @@
 
 #include "firmware/print/archive_masks.hpp"
 #include "firmware/print/mask_renderer.hpp"
+#include "firmware/print/plan/plan_check.hpp"
 #include "firmware/print/print_job.hpp"
 #include "firmware/print/sliced_archive.hpp"
 #include "firmware/print/sliced_scan.hpp"
@@ -15,9 +16,14 @@
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/core/byte_source.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/slicer.hpp"
 
 namespace plumbline {
+
+/// Whether a print may begin as its contract says.
+using Acceptance = FunctionRef<Status(const Contract& contract)>;
+inline constexpr auto kAcceptAll = [](const Contract&) -> Status { return {}; };
 
 class PrintSession {
  public:
@@ -35,12 +41,13 @@ class PrintSession {
 
   /// Slices a scan and gets ready to print. The scan is not needed afterwards.
   /// @param supports  valid by check_support_settings(); none: no supports
-  /// @retval any error of slice(), find_supports(), plan_print(), JobStore::begin(), Journal::open()
+  /// @param accept    asked before anything is stored
+  /// @retval any error of slice(), find_supports(), plan_print(), `accept`, check_plan(), JobStore::begin(), Journal::open()
   /// @retval ErrorCode::kBadSetting  the profile refuses what the checks of the masks have found, or asks about it
   /// @retval ErrorCode::kCancelled
   [[nodiscard]] Status slice_scan(ScanSources scan, const SliceSettings& settings,
                                   const std::optional<SupportSettings>& supports, const PrintProfile& profile,
-                                  ProgressSink* progress);
+                                  ProgressSink* progress, Acceptance accept = kAcceptAll);
   [[nodiscard]] Status slice_scan(ByteSource& scan, const SliceSettings& settings,
                                   const std::optional<SupportSettings>& supports, const PrintProfile& profile,
                                   ProgressSink* progress) {
@@ -51,34 +58,39 @@ class PrintSession {
   /// Gets ready to print what another process has sliced.
   /// @param sliced  in this session's arena, at its bottom
   /// @param scan    its name
-  /// @retval any error of plan_print() and JobStore::begin()
-  [[nodiscard]] Status take(const SlicedScan& sliced, std::string_view scan, const PrintProfile& profile);
+  /// @retval any error of check_plan() and JobStore::begin()
+  /// @param contract  of it: what somebody has seen
+  [[nodiscard]] Status take(const SlicedScan& sliced, std::string_view scan, std::string_view profile,
+                            const Contract& contract);
+  /// The print's id, before take(). Otherwise it gets one of its own.
+  void set_id(std::uint64_t id) { facts_.print_id = id; }
   /// Names a file of the scan for the report, before take(). slice_scan() does it itself.
   /// @pre called at most kMostScans times
   void add_scan_file(std::string_view name);
 
   /// Prepares the print of an archive.
   /// @param sliced   its layers are in this session's arena, at its bottom
-  /// @param profile  profile_of() it
+  /// @param contract  of it
   /// @param archive  the file; with a store, the copy that JobStore::receive() has made
   /// @param hash     of its bytes
-  /// @retval any error of plan_print() and JobStore::begin()
-  [[nodiscard]] Status take(const SlicedArchive& sliced, std::string_view name, const PrintProfile& profile,
-                            Descriptor archive, std::uint64_t hash);
+  /// @retval any error of check_plan() and JobStore::begin()
+  [[nodiscard]] Status take(const SlicedArchive& sliced, std::string_view name, std::string_view profile,
+                            const Contract& contract, Descriptor archive, std::uint64_t hash);
 
   /// Loads the interrupted print.
-  /// @retval any error of JobStore::load() and Journal::open()
+  /// @retval any error of JobStore::load(), Journal::open() and check_plan()
   /// @retval ErrorCode::kUnsupported  it was made for another printer, or by another version
   [[nodiscard]] Status load();
 
   /// Prints. @pre slice_scan(), take() or load() was called, once. A print that ends for good, or that the checks refuse before its
   /// first layer, is removed from the store.
-  /// @param plate  see PrintJob
-  const PrintReport& print(Machine& machine, PrintObserver& observer, PlateRecord* plate = nullptr);
+  /// @param record  durable when it returns; null: the tank is full, and nobody keeps a record
+  const PrintReport& print(Machine& machine, PrintObserver& observer, MachineRecord* record = nullptr);
 
   const SliceReport& sliced() const { return slice_report_; }
   const JobFacts& facts() const { return facts_; }
-  const PrintPlan& plan() const { return facts_.plan; }
+  const Contract& contract() const { return facts_.contract; }
+  const PrintPlan& plan() const { return facts_.contract.plan; }
   const PrintGrid& grid() const { return parts_.rrep.grid; }
   /// For an archive it has only the grid: see mask().
   const RRep& rrep() const { return parts_.rrep; }
@@ -99,7 +111,8 @@ class PrintSession {
   double needed_ml() const;  ///< resin in all masks
 
  private:
-  [[nodiscard]] Status begin(std::string_view scan, const PrintProfile& profile, const StackFindings& findings);
+  [[nodiscard]] Status begin(std::string_view scan, std::string_view profile, const Contract& contract,
+                             const StackFindings& findings);
   [[nodiscard]] Status make_source();
   [[nodiscard]] Status make_ready();
   /// Resin that the first layer takes more than one of the usual height.
@@ -113,6 +126,7 @@ class PrintSession {
 
   SliceReport slice_report_;
   JobFacts facts_;
+  PlanRun run_;  ///< of the facts' plan
   MaskParts parts_;
   std::optional<SupportSettings> support_settings_;
   SupportCounts support_counts_;
@@ -131,6 +145,7 @@ class PrintSession {
   std::span<ExposureLine> lines_;
   std::span<nanoseconds> scratch_;
   std::uint64_t first_layer_pixels_ = 0;
+  MachineRecord unkept_{machine_.tank_volume_ml};
   std::optional<PrintJob> job_;
   std::span<const ExposureLine> exposures_;
 };

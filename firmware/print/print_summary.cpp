@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/io/random_id.hpp"
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/core/words/plural.hpp"
@@ -192,6 +193,26 @@ void write_steps(JsonWriter& json, const std::optional<StepFigures>& steps) {
   json.end_object();
 }
 
+void write_contract(JsonWriter& json, const Contract& contract) {
+  json.begin_object();
+  json.member("width_mm", thousandths(contract.width_mm));
+  json.member("depth_mm", thousandths(contract.depth_mm));
+  json.member("height_mm", thousandths(contract.height_mm));
+  json.key("rotation_deg");
+  json.begin_array(kOneLine);
+  for (const double degrees : contract.rotation_deg) json.value(degrees);
+  json.end_array();
+  json.member("best_way_up", contract.best_way_up);
+  json.member("points_off_percent", thousandths(100 * contract.proof.share_off()));
+  json.member("grey_percent", thousandths(100 * contract.grey));
+  json.member("grey_lost_percent", thousandths(100 * contract.grey_lost));
+  json.member("resin_ml", thousandths(contract.resin_ml));
+  json.member("time_s", static_cast<std::uint64_t>(contract.time.count()));
+  json.key("values");
+  write_contract_values(json, contract);
+  json.end_object();
+}
+
 void write_exposures(JsonWriter& json, const PrintReport& report) {
   json.begin_array();
   for (const auto& line : report.exposures) {
@@ -247,6 +268,7 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   const PrintReport& report = outcome.report;
   const JobFacts& facts = outcome.session.facts();
   json.begin_object();
+  json.member("id", id_text(facts.print_id).view());
   json.member("scan", view(facts.scan));
   if (const auto files = outcome.session.scan_files(); files.size() > 1) {
     json.key("files");
@@ -264,7 +286,9 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("layers", report.layers);
   json.member("first_layer", report.first_layer);
   json.member("next_layer", report.next_layer);
-  json.member("layer_height_mm", facts.plan.layer_height.millimetres());
+  json.member("layer_height_mm", facts.contract.plan.layer_height.millimetres());
+  json.key("contract");
+  write_contract(json, facts.contract);
   json.member("supports", std::uint64_t{outcome.session.supports().tips()});
   if (const auto& findings = outcome.session.findings()) {
     write_issues(json, *findings, outcome.session.grid(), outcome.profile.checks);

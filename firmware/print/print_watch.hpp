@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <utility>
 
 #include "firmware/print/status/print_state.hpp"
@@ -23,8 +24,16 @@ enum class Request : std::uint8_t {
 
 class PrintWatch {
  public:
-  /// @param state  the print's current state: events that would not change it are ignored. Must outlive this, as must the machine
-  PrintWatch(Machine& machine, const PrintState& state) : machine_(machine), state_(state) {}
+  /// A start that is pressed this soon after the print began to wait for one was not meant for it.
+  static constexpr nanoseconds kSettle = std::chrono::seconds(1);
+
+  /// @param state       the print's current state: events that would not change it are ignored. Must outlive this, as must the machine
+  /// @param pause_came  called when somebody asks for a pause, which may take a layer to begin
+  PrintWatch(Machine& machine, const PrintState& state, std::function<void()> pause_came)
+      : machine_(machine), state_(state), pause_came_(std::move(pause_came)) {}
+
+  /// The print waits for start from now on.
+  void asks() { asked_at_ = machine_.clock.now(); }
 
   /// The most urgent request that has not been taken yet. Less urgent ones are dropped, since its effect includes theirs
   /// (an opened cover also pauses, a cancelled print needs no pause).
@@ -52,6 +61,8 @@ class PrintWatch {
 
   Machine& machine_;
   const PrintState& state_;
+  std::function<void()> pause_came_;
+  TimePoint asked_at_;
   Request pending_ = Request::kNone;
 };
 

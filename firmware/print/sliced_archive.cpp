@@ -7,10 +7,12 @@
 #include <optional>
 
 #include "firmware/io/mask_hash.hpp"
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/layer_crossings.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "slicer/checks/stack_checker.hpp"
+#include "slicer/checks/what_matters.hpp"
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
@@ -36,7 +38,7 @@ Status check_layers(LayerArchive& archive, const CheckLimits& limits, SlicedArch
       return fail(ErrorCode::kCancelled, "stopped while the layers were checked, at layer %u of %u", layer,
                   grid.layers);
     }
-    PLUMBLINE_TRY(archive.read(layers[layer], mask));
+    PLUMBLINE_TRY(archive.read(layers[layer], mask, &sliced.grey));
     layers[layer].hash = mask_hash(mask);
     checker->next(mask);
     sliced.extent.hold(mask);
@@ -44,29 +46,16 @@ Status check_layers(LayerArchive& archive, const CheckLimits& limits, SlicedArch
     std::swap(mask, below);
   }
   sliced.findings = checker->finish();
+  find_what_matters(sliced.findings, grid, {});
   sliced.rrep = crossings.rrep(grid);
   return {};
 }
 
 }  // namespace
 
-void MaskExtent::hold(ConstBitImage mask) {
-  for (std::uint32_t r = 0; r < mask.rows(); ++r) {
-    const auto row = mask.row(r);
-    const auto is_white = [](std::uint64_t word) { return word != 0; };
-    const auto first = std::find_if(row.begin(), row.end(), is_white);
-    if (first == row.end()) continue;
-    const auto last = std::find_if(row.rbegin(), row.rend(), is_white);
-    const auto words_before = [&row](auto at) { return static_cast<std::uint32_t>(at - row.begin()); };
-    left = std::min(left, 64 * words_before(first) + static_cast<std::uint32_t>(std::countr_zero(*first)));
-    right = std::max(right, 64 * words_before(last.base()) - static_cast<std::uint32_t>(std::countl_zero(*last)));
-    top = std::min(top, r);
-    bottom = std::max(bottom, r + 1);
-  }
-}
-
-Status check_panel(const LayerArchive& archive, std::string_view name, const PrinterVolume& printer) {
+Status check_panel(LayerArchive& archive, std::string_view name, const PrinterVolume& printer) {
   const PrintableText shown = name;
+  archive.turn_for(printer.columns, printer.rows);
   if (archive.columns() != printer.columns || archive.rows() != printer.rows) {
     return telling(
         Told(PrinterCode::kArchivePixels, {{PrinterFact::kColumns, archive.columns()},
@@ -78,8 +67,9 @@ Status check_panel(const LayerArchive& archive, std::string_view name, const Pri
              shown.c_str(), archive.columns(), archive.rows(), printer.columns, printer.rows));
   }
   const double width = printer.columns * double{printer.pitch_x_mm}, depth = printer.rows * double{printer.pitch_y_mm};
-  const double its_width = archive.settings().width_mm.value_or(width);
-  const double its_depth = archive.settings().depth_mm.value_or(depth);
+  const ArchiveSettings& said = archive.settings();
+  const double its_width = (archive.is_turned() ? said.depth_mm() : said.width_mm()).value_or(width);
+  const double its_depth = (archive.is_turned() ? said.width_mm() : said.depth_mm()).value_or(depth);
   // Data sheets round a panel's size. A part that is 1 % too large no longer fits another.
   constexpr double kMostOff = 0.005;
   if (std::abs(its_width / width - 1) > kMostOff || std::abs(its_depth / depth - 1) > kMostOff) {
@@ -104,9 +94,11 @@ Expected<SlicedArchive> check_archive(int file, std::string_view name, const Arc
   SlicedArchive sliced;
   sliced.settings = archive->settings();
   sliced.turn = archive->turn();
+  sliced.turned = archive->is_turned();
   PlacementSettings placement;
   placement.printer = target.printer;
-  placement.layer_height_mm = static_cast<float>(sliced.settings.layer_height_mm.value_or(target.layer_height_mm));
+  placement.layer_height_mm =
+      static_cast<float>(sliced.settings.value(PrintKey::kLayerHeight).value_or(target.layer_height_mm));
   sliced.grid = panel_grid(target.printer, placement.layer_height_mm);
   if (archive->layers() > sliced.grid.layers) {
     return telling(
@@ -130,16 +122,33 @@ Expected<SlicedArchive> check_archive(int file, std::string_view name, const Arc
   return sliced;
 }
 
-PrintProfile profile_of(const PrintProfile& printers, const Sl1Settings& settings, std::string_view name) {
+void for_each_remark(const SlicedArchive& sliced, FunctionRef<void(const Told&, std::string_view)> visit) {
+  if (!sliced.turned) return;
+  FixedText<120> text;
+  text.add("printed turned by 90 degrees: the archive is sliced for a panel of %u x %u pixels", sliced.grid.rows,
+           sliced.grid.columns);
+  visit({PrinterCode::kArchiveTurned,
+         {{PrinterFact::kColumns, sliced.grid.rows}, {PrinterFact::kRows, sliced.grid.columns}}},
+        text.view());
+}
+
+Expected<PrintProfile> profile_of(const PrintProfile& printers, const ArchiveSettings& settings, std::string_view name,
+                                  const PrintValues& by_person) {
+  const auto its = settings.value(PrintKey::kLayerHeight), asked = by_person[index_of(PrintKey::kLayerHeight)];
+  if (its && asked && *its != *asked) {
+    return fail(ErrorCode::kBadSetting, "%s: its layers are %.6g mm high, so they can't be printed %.6g mm high",
+                PrintableText(name).c_str(), *its, *asked);
+  }
   PrintProfile profile = printers;
-  if (settings.first_layer_height_mm) profile.initial_layer_height = *settings.first_layer_height_mm;
-  if (settings.exposure_s) profile.exposure_time = *settings.exposure_s;
-  if (settings.initial_exposure_s) profile.initial_exposure_time = *settings.initial_exposure_s;
-  const bool first_is_longest = profile.initial_exposure_time > profile.exposure_time;
-  if (first_is_longest ? settings.initial_exposure_s : settings.exposure_s) profile.exposures_of = name;
-  if (settings.faded_layers) profile.faded_layers = *settings.faded_layers;
+  set_values(profile, settings.values, ValueSource::kArchive);
+  profile.archive = name;
+  const double whole_lift = profile.lift_height + profile.lift_height2;
+  if (profile.retract_height2 > whole_lift) {  // the slow part of the way down is no longer than the way
+    set_value(profile, kPrintFields[index_of(PrintKey::kRetractHeight2)], whole_lift, ValueSource::kArchive);
+  }
   // If the bottom layers are to be smaller, the archive's slicer has made them so.
-  profile.elefant_foot_compensation = 0;
+  set_value(profile, kPrintFields[index_of(PrintKey::kElefantFootCompensation)], 0, ValueSource::kArchive);
+  set_values(profile, by_person, ValueSource::kPerson);
   return profile;
 }
 

@@ -9,26 +9,22 @@
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/arena.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/placement/placement.hpp"
+#include "slicer/rrep/mask_extent.hpp"
 #include "slicer/rrep/rrep.hpp"
 
 namespace plumbline {
-
-/// Columns [left, right) and rows [top, bottom) that hold all white pixels; empty if there are none.
-struct MaskExtent {
-  std::uint32_t left = UINT32_MAX, right = 0, top = UINT32_MAX, bottom = 0;
-
-  bool empty() const { return left >= right; }
-  void hold(ConstBitImage mask);
-};
 
 struct SlicedArchive {
   PrintGrid grid;
   std::span<const ArchiveLayer> layers;  ///< with their hashes, at the bottom of the arena
   std::size_t layers_end = 0;            ///< the arena's bottom mark above them
   MaskTurn turn;
-  Sl1Settings settings;
+  bool turned = false;  ///< by 90 degrees, to fit the panel
+  GreyShare grey;       ///< of all layers
+  ArchiveSettings settings;
   MaskExtent extent;
   StackFindings findings;  ///< of its masks
   RRep rrep;               ///< for pictures, above `layers` in the arena; empty: there was no room for it
@@ -41,9 +37,9 @@ struct ArchiveTarget {
   PeelSettings peel;           ///< of the resin: for the checks
 };
 
-/// Whether an archive is for the printer's panel.
+/// Whether an archive is for the printer's panel. One that lies across it is turned by 90 degrees.
 /// @retval ErrorCode::kDoesNotFit  it has other pixels: how many there and here, or how large
-[[nodiscard]] Status check_panel(const LayerArchive& archive, std::string_view name, const PrinterVolume& printer);
+[[nodiscard]] Status check_panel(LayerArchive& archive, std::string_view name, const PrinterVolume& printer);
 
 /// Decodes every layer once, checks the masks, and hashes them. Pictures may be drawn before the arena is released down to `layers`.
 /// @param file      the archive's descriptor
@@ -53,8 +49,13 @@ struct ArchiveTarget {
 [[nodiscard]] Expected<SlicedArchive> check_archive(int file, std::string_view name, const ArchiveTarget& target,
                                                     Arena& arena, ProgressSink* progress);
 
-/// The profile with the archive's exposures and without what its slicer has done already.
+/// Visits each thing that people are told about an archive before it is printed, as a code and as an English sentence.
+void for_each_remark(const SlicedArchive& sliced, FunctionRef<void(const Told&, std::string_view)> visit);
+
+/// The profile with the archive's values, and above them what a person has said; without what the archive's slicer has done already.
 /// @param name  of the archive, for messages
-PrintProfile profile_of(const PrintProfile& printers, const Sl1Settings& settings, std::string_view name);
+/// @retval ErrorCode::kBadSetting  the person asks for another layer height than that of the archive's masks
+[[nodiscard]] Expected<PrintProfile> profile_of(const PrintProfile& printers, const ArchiveSettings& settings,
+                                                std::string_view name, const PrintValues& by_person = {});
 
 }  // namespace plumbline

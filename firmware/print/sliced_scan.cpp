@@ -3,6 +3,7 @@
 #include "firmware/io/hashing_source.hpp"
 #include "firmware/print/mask_renderer.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "firmware/slice/proof_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/layers/morphology.hpp"
@@ -63,6 +64,7 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, Arena& are
     });
   }
   sliced.findings = checker->finish();
+  find_what_matters(sliced.findings, mm, added_supports(sliced.support_counts, report));
   if (report.object_pixels) sliced.support_pixels = sliced.findings.voxels + shrunk - *report.object_pixels;
   arena.release_bottom(bottom);
   return {};
@@ -76,8 +78,10 @@ Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& sett
   const HashingSources hashing(scan);
   const auto rrep = slice(hashing.sources(), settings, arena, progress, report);
   PLUMBLINE_TRY(rrep);
+  PLUMBLINE_TRY(check_proof(report.proof, scan));
   SlicedScan sliced;
   sliced.rrep = *rrep;
+  sliced.proof = report.proof;
   sliced.scan_hash = hashing.hash();
   if (supports) {
     const auto found =

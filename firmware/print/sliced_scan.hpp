@@ -8,6 +8,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/rrep/point_proof.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/slicer.hpp"
 #include "slicer/supports/support_finder.hpp"
@@ -21,6 +22,7 @@ struct SlicedScan {
   std::uint64_t scan_hash = 0;       ///< of the files' bytes: HashingSources::hash()
   std::uint64_t support_pixels = 0;  ///< those that the supports add
   StackFindings findings;            ///< of its masks
+  PointProof proof{};                ///< of its R-Rep
 };
 
 /// Slices a scan, finds its supports, and checks the masks.

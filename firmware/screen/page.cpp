@@ -72,6 +72,20 @@ int Page::paragraph(const PixelBox& box, std::string_view text, const TextStyle&
   return y;
 }
 
+std::string_view Page::whole_parts(std::string_view text, int width, int lines, const Face& face) {
+  std::string_view shown = text;
+  while (lines_of(shown, width, face) > lines) {
+    std::size_t end = 0;
+    for (const std::string_view mark : {": ", "; ", ". ", ", the largest of "}) {
+      const std::size_t found = shown.rfind(mark);
+      if (found != std::string_view::npos) end = std::max(end, found);
+    }
+    if (end == 0) return text;
+    shown = shown.substr(0, end);
+  }
+  return shown;
+}
+
 int Page::lines_of(std::string_view text, int width, const Face& face) {
   int lines = 0;
   for (; !text.empty(); ++lines) take_line(text, width, face);

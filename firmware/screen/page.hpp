@@ -43,6 +43,9 @@ class Page {
 
   /// How many lines paragraph() needs for a text.
   static int lines_of(std::string_view text, int width, const Face& face);
+  /// As much of a text as fits in `lines`, without what follows the last of its colons, semicolons and full stops that must go: no
+  /// sentence breaks off. All of it if its first part is too long already.
+  static std::string_view whole_parts(std::string_view text, int width, int lines, const Face& face);
 
   /// Where text was set, and whether one that must fit did not.
   struct Note {

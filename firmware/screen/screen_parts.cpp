@@ -43,7 +43,7 @@ ListPart shown_part(int height, int row, std::size_t rows, std::size_t at) {
   return {std::min(at > count / 2 ? at - count / 2 : 0, rows - count), count};
 }
 
-void draw_title(const Sheet& sheet, std::string_view title, Colour bar) {
+void draw_title(const Sheet& sheet, std::string_view title, Colour bar, Fit fit) {
   Canvas& canvas = sheet.canvas();
   canvas.fill(canvas.all(), ink::kGround);
   ShortText code;
@@ -55,7 +55,7 @@ void draw_title(const Sheet& sheet, std::string_view title, Colour bar) {
   const PixelBox box = canvas.all().top_rows(sheet.px(kTitleRows));
   canvas.fill(box, bar);
   const PixelBox room = box.inset(sheet.px(kMargin), 0);
-  const int end = sheet.page.line(room, title, {sheet.look().title, text_on(bar)});
+  const int end = sheet.page.line(room, title, {sheet.look().title, text_on(bar), Align::kLeft, fit});
   const PixelBox rest = room.from_column(end - room.x + sheet.px(12));
   // The printer's name, where there is room for it.
   if (rest.width >= sheet.look().plain.width(sheet.record.printer.view())) {

@@ -63,7 +63,7 @@ ListPart shown_part(int height, int row, std::size_t rows, std::size_t at);
 
 /// The ground and the title's bar. A code that somebody is to type into a browser takes the title's place.
 /// @param bar  its colour; the text is dark on bright ones
-void draw_title(const Sheet& sheet, std::string_view title, Colour bar = ink::kBar);
+void draw_title(const Sheet& sheet, std::string_view title, Colour bar = ink::kBar, Fit fit = Fit::kMust);
 void draw_buttons(const Sheet& sheet);
 /// A bar that is full at 1.
 void draw_bar(const Sheet& sheet, const PixelBox& box, double fraction);
@@ -104,6 +104,7 @@ void draw_remove_question(const Sheet& sheet);
 void draw_settings(const Sheet& sheet);
 void draw_proposals(const Sheet& sheet);
 void draw_preview_screen(const Sheet& sheet);
+void draw_contract(const Sheet& sheet);
 void draw_slicing(const Sheet& sheet);
 void draw_checks(const Sheet& sheet);
 void draw_printing(const Sheet& sheet);

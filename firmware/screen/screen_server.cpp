@@ -55,6 +55,7 @@ void ScreenServer::show(const PrinterRecord& record, nanoseconds spare) {
     }
   }
   drawn_at_ = HostClock::now();
+  drawn_question_ = record.question_id();
 }
 
 std::optional<Event> ScreenServer::filter(const Event& event, const PrinterRecord& record, CommandTaker& taker) {
@@ -64,9 +65,11 @@ std::optional<Event> ScreenServer::filter(const Event& event, const PrinterRecor
   drawn_at_ = {};  // whoever presses a button sees at once what it did
   const bool asks = view_.asks_to_cancel || view_.asks_to_remove;
   if (asks && event.at < asked_at_ + kSettle) return std::nullopt;
+  // Whoever pressed it saw the question before. The screen has the new one in a moment.
+  if (record.question_id() != 0 && record.question_id() != drawn_question_ && frames_ > 0) return std::nullopt;
   const auto use = buttons_of(record, view_)[static_cast<std::size_t>(*button)];
   if (!use) {
-    const bool opened = asks || view_.settings_open || view_.prints_open || view_.lights_open;
+    const bool opened = asks || view_.settings_open || view_.contract_open || view_.prints_open || view_.lights_open;
     return opened ? std::nullopt : std::optional(event);
   }
   if (use->act == ButtonAct::kCommand) {
@@ -90,6 +93,16 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
   switch (act) {
     case ButtonAct::kCommand: break;
     case ButtonAct::kNextScan: choose_next(record, taker); break;
+    case ButtonAct::kOpenFolder: {
+      ClientRequest request;
+      request.command = Command::kOpen;
+      request.folder = view_.row == ListRow::kUp ? 0 : static_cast<std::uint32_t>(view_.folder) + 1;
+      view_.row = ListRow::kScan;
+      view_.folder = 0;
+      const auto taken = taker.take(request);
+      if (taken && *taken) return Event{at, **taken, true};
+      break;
+    }
     case ButtonAct::kOpenSettings: view_.settings_open = true; break;
     case ButtonAct::kCloseSettings: view_.settings_open = false; break;
     case ButtonAct::kNextSetting: view_.setting = (view_.setting + 1) % setting_rows(record); break;
@@ -104,7 +117,7 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
       ClientRequest request;
       request.command = Command::kPropose;
       const auto taken = taker.take(request);
-      if (taken && *taken) return Event{at, **taken};
+      if (taken && *taken) return Event{at, **taken, true};
       break;
     }
     case ButtonAct::kNextProposal: view_.proposal = (view_.proposal + 1) % kProposalCount; break;
@@ -118,9 +131,20 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
       break;
     }
     case ButtonAct::kCloseProposals: view_.proposals_open = false; break;
-    case ButtonAct::kMoreFindings: view_.finding = (view_.finding + 1) % record.finding_count; break;
+    case ButtonAct::kMoreFindings: ++view_.finding; break;
+    case ButtonAct::kOpenContract: view_.contract_open = true; break;
+    case ButtonAct::kRaiseValue:
+    case ButtonAct::kLowerValue:
+      static_cast<void>(taker.take(changed_value(view_.value, *record.sliced, act == ButtonAct::kRaiseValue)));
+      break;
+    case ButtonAct::kNextValue:
+      view_.contract_open = view_.value + 1 < kPrintKeyCount;
+      view_.value = view_.contract_open ? view_.value + 1 : 0;
+      view_.finding = 0;
+      break;
     case ButtonAct::kAskToCancel:
       view_.asks_to_cancel = true;
+      view_.job = record.job_id;
       asked_at_ = at;
       break;
     case ButtonAct::kAskToRemove:
@@ -133,7 +157,7 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
       request.command = Command::kRemove;
       request.name.add("%s", record.stored->name.c_str());
       const auto taken = taker.take(request);
-      if (taken && *taken) return Event{at, **taken};
+      if (taken && *taken) return Event{at, **taken, true};
       break;
     }
     case ButtonAct::kKeep: view_.asks_to_cancel = view_.asks_to_remove = false; break;
@@ -153,20 +177,24 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
 /// Goes round the scans and, behind the last one, the other rows.
 void ScreenServer::choose_next(const PrinterRecord& record, CommandTaker& taker) {
   const bool several = takes(record, Command::kChoose);
-  const std::size_t at = record.job->chosen.value_or(0);
-  if (view_.row == ListRow::kScan && (!several || at + 1 == record.scan_count)) {
-    view_.row = ListRow::kSettings;
+  std::size_t scan = record.job->chosen.value_or(0) + 1;
+  if (view_.row == ListRow::kFolder && view_.folder + 1 < rows_of(view_.row, record)) {
+    ++view_.folder;
     return;
   }
-  if (view_.row == ListRow::kSettings && has_remove_row(record)) {
-    view_.row = ListRow::kRemove;
-    return;
+  if (view_.row != ListRow::kScan || !several || scan == record.scan_count) {
+    do {
+      view_.row =
+          view_.row == ListRow::kRemove ? ListRow::kScan : static_cast<ListRow>(static_cast<int>(view_.row) + 1);
+    } while (rows_of(view_.row, record) == 0);
+    view_.folder = 0;
+    scan = 0;
   }
+  if (view_.row != ListRow::kScan || !several) return;
   ClientRequest request;
   request.command = Command::kChoose;
-  request.scan = view_.row != ListRow::kScan ? 1 : static_cast<std::uint32_t>(at) + 2;
-  view_.row = ListRow::kScan;
-  if (several) static_cast<void>(taker.take(request));
+  request.scan = static_cast<std::uint32_t>(scan) + 1;
+  static_cast<void>(taker.take(request));
 }
 
 }  // namespace plumbline

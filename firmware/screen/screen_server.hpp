@@ -55,6 +55,7 @@ class ScreenServer {
   Expected<KeptPreview> kept_preview_;  ///< an error: kept prints are listed without a picture
   ScreenView view_;
   TimePoint asked_at_;
+  std::uint64_t drawn_question_ = 0;  ///< PrinterRecord::question_id() when the screen was drawn last
   HostClock::time_point drawn_at_{};
   std::uint32_t frames_ = 0;
 };

@@ -31,11 +31,24 @@ Uses uses_on_scans(const PrinterRecord& record, const ScreenView& view) {
   Uses uses;
   switch (view.row) {
     case ListRow::kScan: uses[0] = ButtonUse{Words::kDoPrint}; break;
+    case ListRow::kFolder:
+    case ListRow::kUp: uses[0] = ButtonUse{Words::kDoOpen, ButtonAct::kOpenFolder}; break;
     case ListRow::kSettings: uses[0] = ButtonUse{Words::kDoOpen, ButtonAct::kOpenSettings}; break;
     case ListRow::kRemove: uses[0] = ButtonUse{Words::kDoDelete, ButtonAct::kAskToRemove}; break;
   }
   uses[1] = ButtonUse{Words::kDoNext, ButtonAct::kNextScan};
   if (takes(record, Command::kCancel)) uses[2] = ButtonUse{Words::kDoDecline};
+  return uses;
+}
+
+/// Goes through the values, and back behind the last one.
+Uses uses_on_contract(const ScreenView& view) {
+  const bool last = view.value + 1 == kPrintKeyCount;
+  Uses uses = {std::nullopt, std::nullopt, ButtonUse{last ? Words::kDoBack : Words::kDoNext, ButtonAct::kNextValue}};
+  if (kPrintFields[view.value].can_be_changed()) {
+    uses[0] = ButtonUse{Words::kDoRaise, ButtonAct::kRaiseValue};
+    uses[1] = ButtonUse{Words::kDoLower, ButtonAct::kLowerValue};
+  }
   return uses;
 }
 
@@ -46,7 +59,25 @@ constexpr ButtonUse kOpenCard{Words::kDoLights, ButtonAct::kOpenLights};
 
 }  // namespace
 
-bool has_remove_row(const PrinterRecord& record) { return record.scans_uploaded && takes(record, Command::kRemove); }
+std::size_t rows_of(ListRow row, const PrinterRecord& record) {
+  switch (row) {
+    case ListRow::kScan: return record.has_job_file ? 1 : record.scan_count;
+    case ListRow::kFolder: return takes(record, Command::kOpen) ? record.folder_count : 0;
+    case ListRow::kUp: return takes(record, Command::kOpen) && !record.folder.view().empty() ? 1 : 0;
+    case ListRow::kSettings: return 1;
+    case ListRow::kRemove: return record.scans_uploaded && takes(record, Command::kRemove) ? 1 : 0;
+  }
+  return 0;
+}
+
+std::size_t row_at(const PrinterRecord& record, const ScreenView& view) {
+  if (view.row == ListRow::kScan) return record.job && record.job->chosen ? *record.job->chosen : 0;
+  std::size_t at = view.row == ListRow::kFolder ? view.folder : 0;
+  for (ListRow row = ListRow::kScan; row != view.row; row = static_cast<ListRow>(static_cast<int>(row) + 1)) {
+    at += rows_of(row, record);
+  }
+  return at;
+}
 
 Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
   Uses uses;
@@ -81,7 +112,9 @@ Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
       break;
     case ScreenKind::kPreview:
       give(kStart, Command::kStart, Words::kDoPrint);
-      if (record.finding_count > 1) uses[1] = ButtonUse{Words::kDoMore, ButtonAct::kMoreFindings};
+      if (view.contract_open) return uses_on_contract(view);
+      uses[1] = view.finding + 1 < record.finding_count ? ButtonUse{Words::kDoMore, ButtonAct::kMoreFindings}
+                                                        : ButtonUse{Words::kDoValues, ButtonAct::kOpenContract};
       give(kCancel, Command::kCancel, Words::kDoDecline);
       break;
     case ScreenKind::kSlicing: give(kCancel, Command::kCancel, Words::kDoStop); break;
@@ -115,18 +148,23 @@ ScreenView still_open(const PrinterRecord& record, ScreenView view) {
   const bool proposing = record.slicing && record.slicing->proposes;
   view.proposals_open = view.proposals_open && (proposing || (kind == ScreenKind::kScans && record.proposals));
   if (!view.proposals_open) view.proposal = 0;
-  if ((kind != ScreenKind::kScans && !proposing) || (view.row == ListRow::kRemove && !has_remove_row(record))) {
+  const bool gone = view.folder >= rows_of(view.row, record) && view.row != ListRow::kScan;
+  if ((kind != ScreenKind::kScans && !proposing) || (gone && !proposing)) {
     view.row = ListRow::kScan;
+    view.folder = 0;
     view.settings_open = false;
   }
   view.asks_to_remove = view.asks_to_remove && view.row == ListRow::kRemove;
   if (!view.settings_open || !record.job || view.setting >= setting_rows(record)) view.setting = 0;
+  view.contract_open = view.contract_open && kind == ScreenKind::kPreview;
+  if (!view.contract_open) view.value = 0;
   if (kind != ScreenKind::kPreview || view.finding >= record.finding_count) view.finding = 0;
   view.prints_open = view.prints_open && kind == ScreenKind::kIdle && kept_prints(record) > 0;
   if (!view.prints_open || view.print >= kept_prints(record)) view.print = 0;
   view.lights_open = view.lights_open && has_light_card(kind);
   if (!view.lights_open) view.pattern = 0;
-  view.asks_to_cancel = view.asks_to_cancel && loses_a_part(record.state) && takes(record, Command::kCancel);
+  view.asks_to_cancel =
+      view.asks_to_cancel && view.job == record.job_id && loses_a_part(record.state) && takes(record, Command::kCancel);
   return view;
 }
 

@@ -13,22 +13,30 @@
 
 namespace plumbline {
 
-/// A row of the list of scans that is no scan. They come last.
+/// What the row at hand in the list of scans is, in the rows' order.
 enum class ListRow : std::uint8_t {
   kScan,      ///< the job's
+  kFolder,    ///< opens it
+  kUp,        ///< opens the folder above
   kSettings,  ///< opens them
   kRemove,    ///< of an uploaded scan: deletes it
 };
+inline constexpr std::array kListRows = {ListRow::kScan, ListRow::kFolder, ListRow::kUp, ListRow::kSettings,
+                                         ListRow::kRemove};
 
 struct ScreenView {
   ListRow row = ListRow::kScan;
+  std::size_t folder = 0;  ///< of kFolder
   bool settings_open = false;
   std::size_t setting = 0;      ///< the row at hand
   bool proposals_open = false;  ///< the best ways up, or the wait for them
   std::size_t proposal = 0;     ///< the row at hand
   bool asks_to_cancel = false;
+  std::uint64_t job = 0;  ///< of asks_to_cancel: which print it is about
   bool asks_to_remove = false;
-  std::size_t finding = 0;   ///< the first one shown
+  std::size_t finding = 0;  ///< the first one shown
+  bool contract_open = false;
+  std::size_t value = 0;     ///< the row at hand: a PrintKey
   bool prints_open = false;  ///< the last prints
   std::size_t print = 0;     ///< the row at hand
   bool lights_open = false;  ///< the card of lights and buzzer
@@ -41,6 +49,7 @@ inline constexpr std::size_t kScreenButtonCount = 3;
 enum class ButtonAct : std::uint8_t {
   kCommand,  ///< goes on to the printer
   kNextScan,
+  kOpenFolder,
   kOpenSettings,
   kNextSetting,
   kChangeSetting,
@@ -50,6 +59,10 @@ enum class ButtonAct : std::uint8_t {
   kTakeProposal,
   kCloseProposals,
   kMoreFindings,
+  kOpenContract,
+  kRaiseValue,
+  kLowerValue,
+  kNextValue,
   kAskToCancel,
   kAskToRemove,
   kRemove,
@@ -67,8 +80,10 @@ struct ButtonUse {
   ButtonAct act = ButtonAct::kCommand;
 };
 
-/// Whether the list of scans has a row that deletes the uploaded one.
-bool has_remove_row(const PrinterRecord& record);
+/// How many rows of a kind the list of scans has.
+std::size_t rows_of(ListRow row, const PrinterRecord& record);
+/// The row at hand, from the first one on.
+std::size_t row_at(const PrinterRecord& record, const ScreenView& view);
 
 /// By ScreenButton; none: the button does nothing.
 std::array<std::optional<ButtonUse>, kScreenButtonCount> buttons_of(const PrinterRecord& record,

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <ctime>
 
+#include "firmware/io/wall_clock.hpp"
 #include "firmware/screen/fault_words.hpp"
 #include "firmware/screen/screen_parts.hpp"
 #include "firmware/screen/setting_rows.hpp"
@@ -31,12 +32,13 @@ Words result_of(const KeptPrint& print) {
   }
 }
 
-/// The day on which a print ended, UTC.
+/// The day on which a print ended, UTC; empty: the clock was not set.
 ShortText day_of(const KeptPrint& print) {
+  ShortText text;
+  if (known_time(print.ended_at) == 0) return text;
   const auto ended = static_cast<std::time_t>(print.ended_at);
   std::tm day{};
   ::gmtime_r(&ended, &day);
-  ShortText text;
   text.add("%04d-%02d-%02d", std::clamp(day.tm_year + 1900, 0, 9999), day.tm_mon + 1, day.tm_mday);
   return text;
 }
@@ -80,6 +82,8 @@ void draw_prints(const Sheet& sheet) {
 
 void draw_raising(const Sheet& sheet) {
   draw_title(sheet, sheet.say(Words::kRaising));
+  const bool waits = sheet.record.note == PrintNote::kCoverFirst;
+  if (waits) return void(sheet.page.paragraph(sheet.body(), sheet.say(Words::kCoverFirst), {sheet.look().title}));
   draw_message(sheet, sheet.body(), sheet.say(Words::kPleaseWait), sheet.say(Words::kPartIsRaised));
 }
 
@@ -102,9 +106,10 @@ void draw_plate(const Sheet& sheet) {
   }
   if (sheet.record.finding_count > 0 && rest.height >= line) {
     const FindingRecord& last = sheet.record.findings[sheet.record.finding_count - 1];
-    FixedText<420> finding;
+    FixedText<512> finding;
     finding.add("⚠ %s", sheet.say(last.told, last.text.view()).c_str());
-    sheet.page.paragraph(rest, finding.view(), sheet.plain(ink::kAttention, Fit::kMayCut));
+    const auto parts = Page::whole_parts(finding.view(), rest.width, rest.height / line, sheet.look().plain);
+    sheet.page.paragraph(rest, parts, sheet.plain(ink::kAttention, Fit::kMayCut));
   }
 }
 

@@ -1,9 +1,11 @@
 /// The screens before a print.
 
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/screen/screen_parts.hpp"
 #include "firmware/screen/setting_rows.hpp"
+#include "firmware/settings/field_words.hpp"
 #include "firmware/told/told_words.hpp"
 
 namespace plumbline {
@@ -57,7 +59,14 @@ void draw_hint(const Sheet& sheet, const PixelBox& box, const JobRecord& job) {
 
 void draw_idle(const Sheet& sheet) {
   draw_title(sheet, sheet.say(Words::kReady));
-  const PixelBox body = sheet.body();
+  PixelBox body = sheet.body();
+  if (const MachineRecord* const machine = sheet.record.machine; machine != nullptr && machine->resin_ml()) {
+    const int line = sheet.look().plain.line_height();
+    const auto left = decimal(*machine->resin_ml(), 1, sheet.language);
+    sheet.page.line(body.from_row(body.height - line), filled_in(sheet.say(Words::kResinLeft), left.c_str()).view(),
+                    sheet.plain(ink::kPale));
+    body = body.top_rows(body.height - line);
+  }
   if (sheet.record.has_stick) {
     draw_message(sheet, body, sheet.say(Words::kStickIsIn), sheet.say(Words::kShowAgain));
   } else {
@@ -67,52 +76,91 @@ void draw_idle(const Sheet& sheet) {
   }
 }
 
-void draw_scans(const Sheet& sheet) {
-  draw_title(sheet, sheet.say(sheet.record.scans_uploaded ? Words::kUploadedScan : Words::kScans));
+namespace {
+
+void draw_scan_row(const Sheet& sheet, const PixelBox& room, std::size_t which) {
   const PrinterRecord& record = sheet.record;
+  if (record.has_job_file) {
+    sheet.page.line(room, record.job->scan.view(), sheet.plain(ink::kText, Fit::kMayCut));
+    return;
+  }
+  const ScanRecord& scan = record.scans[which];
+  const bool bad = !scan.problem.view().empty();
+  FixedText<160> name;
+  if (bad) name.add("⚠ ");
+  if (scan.files > 1) name.add("%s: ", filled_in(sheet.say(Words::kScansAsOne), scan.files).c_str());
+  name.add("%s%s", scan.name.c_str(), scan.files > 1 ? ", …" : "");
+  draw_pair(sheet, room, name.view(), file_size(scan.bytes, sheet.language).view(),
+            sheet.plain(bad ? ink::kAttention : ink::kText, Fit::kMayCut));
+}
+
+/// @param which  of the rows of its kind
+void draw_list_row(const Sheet& sheet, const PixelBox& room, ListRow row, std::size_t which) {
+  switch (row) {
+    case ListRow::kScan: return draw_scan_row(sheet, room, which);
+    case ListRow::kFolder: {
+      const FolderRecord& folder = sheet.record.folders[which];
+      FixedText<84> name;
+      name.add("%s/", folder.name.c_str());
+      return draw_pair(sheet, room, name.view(), filled_in(sheet.say(Words::kFolderHolds), folder.entries).view(),
+                       sheet.plain(ink::kText, Fit::kMayCut));
+    }
+    case ListRow::kUp: sheet.page.line(room, sheet.say(Words::kFolderUp), sheet.bold()); return;
+    case ListRow::kSettings: sheet.page.line(room, sheet.say(Words::kSettings), sheet.bold()); return;
+    case ListRow::kRemove: sheet.page.line(room, sheet.say(Words::kDeleteScan), sheet.bold()); return;
+  }
+}
+
+}  // namespace
+
+void draw_scans(const Sheet& sheet) {
+  const PrinterRecord& record = sheet.record;
+  if (const auto folder = record.folder.view(); !folder.empty()) {
+    draw_title(sheet, folder, ink::kBar, Fit::kMayCut);
+  } else {
+    draw_title(sheet, sheet.say(record.scans_uploaded ? Words::kUploadedScan : Words::kScans));
+  }
   const PixelBox body = sheet.body();
   if (!record.job) {
     draw_message(sheet, body, sheet.say(Words::kPleaseWait), sheet.say(Words::kEmptyStick));
     return;
   }
-  const JobRecord& job = *record.job;
-  // The scans, and behind them the other rows.
-  const std::size_t scans = record.has_job_file ? 1 : record.scan_count;
-  const std::size_t rows = scans + (has_remove_row(record) ? 2 : 1);
-  const auto extra = static_cast<std::size_t>(sheet.view.row);
-  const std::size_t at = extra > 0 ? scans + extra - 1 : job.chosen.value_or(0);
   const bool pictures =
       !record.has_job_file && std::any_of(record.scans.begin(), record.scans.begin() + record.scan_count,
                                           [](const ScanRecord& scan) { return scan.picture > 0; });
-  const int hint = 2 * sheet.look().plain.line_height();
+  const int line = sheet.look().plain.line_height();
+  ToldText left_out;
+  if (!record.left_out.text.view().empty()) left_out = sheet.say(record.left_out.told, record.left_out.text.view());
+  const int left_out_lines =
+      left_out.view().empty() ? 0 : std::min(2, Page::lines_of(left_out.view(), body.width, sheet.look().plain));
+  const int hint = (2 + left_out_lines) * line;
   const int height = pictures ? (body.height - hint) / kRowsWithPictures : row_height(sheet);
+  std::size_t rows = 0;
+  for (const ListRow row : kListRows) rows += rows_of(row, record);
+  const std::size_t at = row_at(record, sheet.view);
   const ListPart part = shown_part(body.height - hint, height, rows, at);
-  for (std::size_t i = 0; i < part.count; ++i) {
-    const std::size_t row = part.first + i;
-    PixelBox room = draw_row(sheet, {body.x, body.y + static_cast<int>(i) * height, body.width, height}, row == at);
-    if (pictures && row < scans) {
-      const PixelBox box{room.x, room.y + sheet.px(1), height - sheet.px(2), height - sheet.px(2)};
-      if (record.scans[row].picture > 0 && record.scan_pictures != nullptr) {
-        draw_picture(sheet, box, &(*record.scan_pictures)[row]);
+  std::size_t which = 0;
+  for (const ListRow row : kListRows) {
+    for (std::size_t i = 0; i < rows_of(row, record); ++i, ++which) {
+      if (which < part.first || which >= part.first + part.count) continue;
+      const int y = body.y + static_cast<int>(which - part.first) * height;
+      PixelBox room = draw_row(sheet, {body.x, y, body.width, height}, which == at);
+      if (pictures && (row == ListRow::kScan || row == ListRow::kFolder || row == ListRow::kUp)) {
+        const PixelBox box{room.x, room.y + sheet.px(1), height - sheet.px(2), height - sheet.px(2)};
+        if (row == ListRow::kScan && record.scans[i].picture > 0 && record.scan_pictures != nullptr) {
+          draw_picture(sheet, box, &(*record.scan_pictures)[i]);
+        }
+        room = room.from_column(height + sheet.px(4));
       }
-      room = room.from_column(height + sheet.px(4));
-    }
-    if (row >= scans) {
-      sheet.page.line(room, sheet.say(row == scans ? Words::kSettings : Words::kDeleteScan), sheet.bold());
-    } else if (record.has_job_file) {
-      sheet.page.line(room, job.scan.view(), sheet.plain(ink::kText, Fit::kMayCut));
-    } else {
-      const ScanRecord& scan = record.scans[row];
-      const bool bad = !scan.problem.view().empty();
-      FixedText<160> name;
-      if (bad) name.add("⚠ ");
-      if (scan.files > 1) name.add("%s: ", filled_in(sheet.say(Words::kScansAsOne), scan.files).c_str());
-      name.add("%s%s", scan.name.c_str(), scan.files > 1 ? ", …" : "");
-      draw_pair(sheet, room, name.view(), file_size(scan.bytes, sheet.language).view(),
-                sheet.plain(bad ? ink::kAttention : ink::kText, Fit::kMayCut));
+      draw_list_row(sheet, room, row, i);
     }
   }
-  draw_hint(sheet, body.from_row(body.height - hint), job);
+  const PixelBox rest = body.from_row(body.height - hint);
+  if (left_out_lines > 0) {
+    sheet.page.paragraph(rest.top_rows(left_out_lines * line), left_out.view(),
+                         sheet.plain(ink::kAttention, Fit::kMayCut));
+  }
+  draw_hint(sheet, rest.from_row(left_out_lines * line), *record.job);
 }
 
 void draw_remove_question(const Sheet& sheet) {
@@ -182,10 +230,10 @@ void draw_proposals(const Sheet& sheet) {
 void draw_preview_screen(const Sheet& sheet) {
   draw_title(sheet, sheet.say(Words::kPreview));
   const PrinterRecord& record = sheet.record;
-  const SlicedRecord& sliced = *record.sliced;
+  const Contract& sliced = *record.sliced;
   const PixelBox body = sheet.body();
   const int line = sheet.look().plain.line_height();
-  FixedText<420> finding;
+  FixedText<512> finding;
   Fit fit = Fit::kMust;
   int lines = 3;  // the last one for what was found
   if (record.finding_count > 0) {
@@ -215,14 +263,40 @@ void draw_preview_screen(const Sheet& sheet) {
   rest = rest.from_row(line);
   ShortText facts;
   facts.add("%s ml · %s", mm(sliced.resin_ml).c_str(), duration(sliced.time).c_str());
-  const auto layers = filled_in(sheet.say(sliced.layers == 1 ? Words::kOneLayer : Words::kLayers), sliced.layers);
+  const auto layers =
+      filled_in(sheet.say(sliced.plan.layers == 1 ? Words::kOneLayer : Words::kLayers), sliced.plan.layers);
   draw_pair(sheet, rest.top_rows(line), facts.view(), layers.view(), sheet.plain());
   rest = rest.from_row(line);
   if (record.finding_count == 0) {
     sheet.page.line(rest.top_rows(line), sheet.say(Words::kNoFindings), sheet.plain(ink::kGood));
     return;
   }
-  sheet.page.paragraph(rest, finding.view(), sheet.plain(ink::kAttention, fit));
+  const auto parts = Page::whole_parts(finding.view(), body.width, lines - 2, sheet.look().plain);
+  sheet.page.paragraph(rest, parts, sheet.plain(ink::kAttention, fit));
+}
+
+/// Each value with who has said it; what a person has said is green.
+void draw_contract(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kContract));
+  const Contract& contract = *sheet.record.sliced;
+  const PixelBox body = sheet.body();
+  const int height = row_height(sheet);
+  const ListPart part = shown_part(body.height, height, kPrintKeyCount, sheet.view.value);
+  for (std::size_t i = 0; i < part.count; ++i) {
+    const PrintField& field = kPrintFields[part.first + i];
+    const ValueSource source = contract.sources[index_of(field.key)];
+    const double value = value_of(contract.plan, field.key);
+    const PixelBox box{body.x, body.y + static_cast<int>(i) * height, body.width, height};
+    const PixelBox room = draw_row(sheet, box, part.first + i == sheet.view.value);
+    int digits = 0;
+    for (double scaled = value; digits < 3 && std::abs(scaled - std::round(scaled)) > 1e-6; scaled *= 10) ++digits;
+    const auto said = source_words(source, sheet.language);
+    ShortText shown;
+    shown.add("%s%s · %.*s", decimal(value, digits, sheet.language).c_str(), field.is_whole() ? "" : field.unit,
+              static_cast<int>(said.size()), said.data());
+    draw_pair(sheet, room, field_words(field.key, sheet.language).view(), shown.view(),
+              sheet.plain(source == ValueSource::kPerson ? ink::kGood : ink::kText));
+  }
 }
 
 void draw_slicing(const Sheet& sheet) {

@@ -55,7 +55,8 @@ void draw_checks(const Sheet& sheet) {
 }
 
 void draw_printing(const Sheet& sheet) {
-  draw_title(sheet, sheet.say(Words::kPrinting));
+  const bool pauses = sheet.record.note == PrintNote::kPauseTaken;
+  draw_title(sheet, sheet.say(pauses ? Words::kPausing : Words::kPrinting), pauses ? ink::kAttention : ink::kBar);
   if (!sheet.record.progress) return;
   const ProgressRecord& progress = *sheet.record.progress;
   const PixelBox body = sheet.body();
@@ -92,7 +93,9 @@ void draw_printing(const Sheet& sheet) {
   ShortText height;
   height.add("%s mm", decimal(progress.height_mm, 2, sheet.language).c_str());
   sheet.page.line(next(line), height.view(), sheet.plain());
-  if (sheet.record.job) {
+  if (pauses) {
+    sheet.page.paragraph(rest, sheet.say(Words::kAfterLayer), sheet.plain(ink::kAttention, Fit::kMayCut));
+  } else if (sheet.record.job) {
     sheet.page.line(next(line), sheet.record.job->scan.view(), sheet.plain(ink::kPale, Fit::kMayCut));
   }
 }

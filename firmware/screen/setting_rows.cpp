@@ -183,4 +183,14 @@ ClientRequest next_value(std::size_t row, const PrinterRecord& record, const Job
   return request;
 }
 
+ClientRequest changed_value(std::size_t field, const Contract& contract, bool up) {
+  const PrintField& row = kPrintFields[field];
+  const double steps = std::round(value_of(contract.plan, row.key) / row.step) + (up ? 1 : -1);
+  ClientRequest request;
+  request.command = Command::kSet;
+  put(request.key, row.name);
+  request.value.add("%.6g", std::clamp(steps * row.step, row.low, row.high));
+  return request;
+}
+
 }  // namespace plumbline

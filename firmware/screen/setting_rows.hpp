@@ -33,4 +33,8 @@ ClientRequest next_value(std::size_t row, const PrinterRecord& record, const Job
 /// A number with one to three digits behind the point: a comma in German.
 FixedText<32> decimal(double value, int digits, Language language);
 
+/// What raises or lowers a value of the contract by its step, within its range.
+/// @pre the field can_be_changed()
+ClientRequest changed_value(std::size_t field, const Contract& contract, bool up);
+
 }  // namespace plumbline

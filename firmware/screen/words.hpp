@@ -38,6 +38,7 @@ enum class Words : std::uint8_t {
   // What there is to do, in large letters, and what else there is to say.
   kPlugIn,
   kScanKinds,
+  kResinLeft,
   kStickIsIn,
   kShowAgain,
   kShowUpload,
@@ -52,10 +53,13 @@ enum class Words : std::uint8_t {
   kNoFindings,
   kPartIsRaised,
   kAskedToCancel,
+  kFolderUp,
+  kFolderHolds,
   kDeleteScan,
   kAskedToDelete,
   kAfterLayer,
   kPressToGoOn,
+  kCoverFirst,
   kCloseCover,
   kLampCools,
   kRefill,
@@ -140,10 +144,15 @@ enum class Words : std::uint8_t {
   kProposal,
   kProposalUnits,
   kDoTake,
+  // The contract.
+  kContract,
+  kDoValues,
+  kDoRaise,
+  kDoLower,
 };
-inline constexpr std::size_t kWordsCount = static_cast<std::size_t>(Words::kDoTake) + 1;
+inline constexpr std::size_t kWordsCount = static_cast<std::size_t>(Words::kDoLower) + 1;
 
-/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers, kScansAsOne and kProposal one, kTimeLeft and kPageCode a %s.
+/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers, kScansAsOne, kFolderHolds and kProposal one, kTimeLeft and kPageCode a %s.
 std::string_view words(Words which, Language language);
 
 }  // namespace plumbline

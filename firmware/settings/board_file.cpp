@@ -58,6 +58,7 @@ std::vector<SettingRule> board_rules(BoardFile& board, MachineFile& machine) {
       {"temperatures", "lamp_max_c", &machine.lamp_max_c, 30, 120, " C", kMachine},
       {"temperatures", "resin_min_c", &machine.resin_min_c, 0, 60, " C", kMachine},
       {"temperatures", "resin_max_c", &machine.resin_max_c, 0, 80, " C", kMachine},
+      {"temperatures", "board_max_c", &machine.board_max_c, 40, 120, " C", Presence::kOptional},
       {"tank", "volume_ml", &machine.tank_volume_ml, 1, 20000, " ml", kMachine},
       {"print", "layer_height_mm", &board.layer_height_mm, 0.005, 1, " mm"},
       {"print", "profile", TextSetting{&machine.profile}, 1, 63, "", kMachine},

@@ -61,6 +61,7 @@ struct MachineFile {
   double lamp_max_c = 0;                        ///< [temperatures] the print pauses above this
   double resin_min_c = 0;                       ///< [temperatures]
   double resin_max_c = 0;                       ///< [temperatures]
+  double board_max_c = 85;                      ///< [temperatures] of the processor: the print pauses above this
   double tank_volume_ml = 0;                    ///< [tank] resin in a full tank
   std::string profile;                          ///< [print] file in board/profiles, unless the user names another
   StartChoice start = StartChoice::kOnRequest;  ///< [print]

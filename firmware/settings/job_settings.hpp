@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "firmware/settings/print_fields.hpp"
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"
@@ -17,6 +18,7 @@ struct JobSettings {
   std::optional<PrintSize> size;  ///< instead of the scale
   double rotate_x_deg = 0, rotate_y_deg = 0, rotate_z_deg = 0;
   double layer_height = 0;       ///< mm; 0: the profile's
+  PrintValues values;            ///< of fields that can_be_changed(); none: as the profile or the archive has it
   std::optional<bool> supports;  ///< none: as the profile has it
   ReadAs as = ReadAs::kAuto;
   BaseChoice base = BaseChoice::kAuto;
@@ -24,6 +26,13 @@ struct JobSettings {
   bool orient = false;    ///< turn it the best way up
   bool keep_all = false;  ///< also print stray pieces
   bool operator==(const JobSettings&) const = default;
+
+  /// All that the person has said of the print's values.
+  PrintValues print_values() const {
+    PrintValues all = values;
+    if (layer_height > 0) all[index_of(PrintKey::kLayerHeight)] = layer_height;
+    return all;
+  }
 };
 
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 #include <vector>
 
 #include "firmware/settings/settings_file.hpp"
@@ -23,25 +24,14 @@ std::vector<SettingRule> rules_for(PrintProfile& p) {
       {"resin", "peel_suction", &p.peel.suction_kpa, 0, 101, " kPa", kOptional},
       {"resin", "bottle_cost", &p.bottle_cost, 0, 100000, "", kOptional},
       {"resin", "bottle_volume", &p.bottle_volume, 1, 100000, " ml", kOptional},
-      {"print", "layer_height", &p.layer_height, 0.005, 1, " mm"},
-      {"print", "exposure_time", &p.exposure_time, 0.1, 120, " s"},
-      {"print", "initial_exposure_time", &p.initial_exposure_time, 0.1, 300, " s"},
-      {"print", "bottom_layer_count", &p.bottom_layer_count, 1, 100, " layers"},
-      {"print", "faded_layers", &p.faded_layers, 0, 100, " layers"},
-      {"print", "delay_before_exposure", &p.delay_before_exposure, 0, 60, " s"},
-      {"print", "delay_after_exposure", &p.delay_after_exposure, 0, 60, " s"},
-      {"print", "lift_height", &p.lift_height, 0.5, 30, " mm"},
-      {"print", "lift_speed", &p.lift_speed, 1, 1000, " mm/min"},
-      {"print", "lift_height2", &p.lift_height2, 0, 30, " mm"},
-      {"print", "lift_speed2", &p.lift_speed2, 1, 1000, " mm/min"},
-      {"print", "wait_time_after_lift", &p.wait_time_after_lift, 0, 60, " s"},
-      {"print", "retract_speed", &p.retract_speed, 1, 1000, " mm/min"},
-      {"print", "retract_height2", &p.retract_height2, 0, 30, " mm"},
-      {"print", "retract_speed2", &p.retract_speed2, 1, 1000, " mm/min"},
-      {"print", "elefant_foot_compensation", &p.elefant_foot_compensation, 0, 1, " mm"},
-      {"print", "pause_lift_height", &p.pause_lift_height, 1, 300, " mm"},
       {"supports", "supports_enable", &p.supports_enable, 0, 0, "", kOptional},
   };
+  for (const PrintField& field : kPrintFields) {
+    if (!field.in_profile) continue;
+    SettingRule rule{"print", field.name, &p.layer_height, field.low, field.high, field.unit};
+    std::visit([&](auto member) { rule.value = &(p.*member); }, field.member);
+    rules.insert(rules.end() - 1, rule);  // rules of a table stand together
+  }
   for (const SupportField& field : kSupportFields) {
     rules.push_back({"supports", field.key, &(p.supports.*field.member), field.low, field.high,
                      field.unit == "deg"   ? " degrees"

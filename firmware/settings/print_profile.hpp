@@ -1,6 +1,7 @@
 #pragma once
 /// Resin and print settings: board/profiles/*.toml, each key explained in board/README.md.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/check_policy.hpp"
+#include "firmware/settings/print_fields.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/resin/peel_force.hpp"
 #include "slicer/slice_settings.hpp"
@@ -44,8 +46,9 @@ struct PrintProfile {
   double pause_lift_height = 0;          ///< [print] mm that a pause raises the part
   bool supports_enable = true;           ///< [supports] for jobs that don't say
   SupportSettings supports;              ///< [supports] what they look like
-  std::string exposures_of;              ///< the archive that the longest exposure is of; empty: the profile itself
+  std::string archive;                   ///< name of the archive that has said some of the values; empty: none has
   CheckPolicy checks;                    ///< [checks] what happens when the masks have an issue
+  std::array<ValueSource, kPrintKeyCount> sources = {};  ///< of the values of [print], in the order of kPrintFields
 };
 
 /// Reads a profile; see read_settings_file() for the errors.

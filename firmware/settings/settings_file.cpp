@@ -127,9 +127,9 @@ bool store(const SettingRule& rule, const toml::node& node) {
   return std::visit(Store{rule, node}, rule.value);
 }
 
-class SettingsReader {
+class SettingsFileReader {
  public:
-  SettingsReader(const toml::table& root, std::string_view path, std::size_t lines, const SettingsSchema& schema)
+  SettingsFileReader(const toml::table& root, std::string_view path, std::size_t lines, const SettingsSchema& schema)
       : root_(root), path_(printable(path, kLongestPath)), last_line_(lines), schema_(schema), rules_(schema.rules) {}
 
   Status read() {
@@ -261,7 +261,7 @@ Status parse_settings(std::string_view text, std::string_view path, const Settin
   try {
     const toml::table root = toml::parse(text);
     const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-    return SettingsReader{root, path, std::max<std::size_t>(lines, 1), schema}.read();
+    return SettingsFileReader{root, path, std::max<std::size_t>(lines, 1), schema}.read();
   } catch (const toml::parse_error& error) {
     return fail(ErrorCode::kMalformed, "%s:%u: not TOML at column %u: %s", printable(path, kLongestPath).c_str(),
                 static_cast<unsigned>(error.source().begin.line), static_cast<unsigned>(error.source().begin.column),

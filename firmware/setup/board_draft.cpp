@@ -157,6 +157,9 @@ Status BoardDraft::set_table(std::string_view table, const std::map<std::string,
     if (auto* const* const integer = std::get_if<std::uint32_t*>(&rule.value)) {
       **integer = **std::get_if<std::uint32_t*>(&blank->value);
     }
+    if (const auto* const number = std::get_if<NumberChoiceSetting>(&rule.value)) {
+      *number->value = *std::get<NumberChoiceSetting>(blank->value).value;
+    }
     if (const auto* const choice = std::get_if<ChoiceSetting>(&rule.value)) {
       choice->store(std::get<ChoiceSetting>(blank->value).load());
     }
@@ -167,6 +170,7 @@ Status BoardDraft::set_table(std::string_view table, const std::map<std::string,
     return check_board_key(checked, trial.board, *trial.board.machine);
   }));
   board_ = trial.board;
+  std::erase_if(sources_, [&](const auto& one) { return one.first.first == table; });
   for (const auto& [key, answer] : keys) note(table, key, source);
   return {};
 }
@@ -216,6 +220,31 @@ Status BoardDraft::set_fan(std::string_view table, const std::string& answer, st
   return fail(ErrorCode::kBadSetting, "a fan is hwmon NAME CHANNEL, pwm CHIP CHANNEL or none");
 }
 
+Status BoardDraft::set_screen(const std::string& answer, std::string_view source) {
+  constexpr const char* kForm =
+      "a screen is its connector and its size in pixels, and if it needs them its rotation, 16-bit, and the path of "
+      "its touch panel: SPI-1 320x240 90 16-bit";
+  const auto words = words_of(answer);
+  if (words.size() == 1 && words[0] == "none") return set_table("screen", {}, source);
+  std::map<std::string, std::string> keys;
+  for (const std::string& word : words) {
+    const std::size_t cross = word.find('x');
+    if (cross != std::string::npos && is_number(word.substr(0, cross)) && is_number(word.substr(cross + 1))) {
+      keys["columns"] = word.substr(0, cross);
+      keys["rows"] = word.substr(cross + 1);
+    } else if (is_number(word)) {
+      keys["rotation_deg"] = word;
+    } else if (word == "16-bit" || word == "24-bit") {
+      keys["bits"] = word.substr(0, 2);
+    } else if (!keys.emplace(word.starts_with('/') ? "touch" : "connector", word).second) {
+      return fail(ErrorCode::kBadSetting, "%s", kForm);
+    }
+  }
+  const bool placed = keys.contains("connector") || board_.machine->simulated;
+  if (!placed || !keys.contains("columns")) return fail(ErrorCode::kBadSetting, "%s", kForm);
+  return set_table("screen", keys, source);
+}
+
 std::string BoardDraft::value(std::string_view table, std::string_view key) const {
   const Bound now(board_);
   const Bound before(untouched());
@@ -251,6 +280,16 @@ std::string BoardDraft::fan(std::string_view table) const {
   return (pwm.empty() ? "hwmon " + chip : "pwm " + pwm) + " " + (channel.empty() ? "1" : channel);
 }
 
+std::string BoardDraft::screen() const {
+  if (!board_.machine->wiring.screen.given()) return "none";
+  std::string text = value("screen", "columns") + "x" + value("screen", "rows");
+  if (const auto connector = value("screen", "connector"); !connector.empty()) text = connector + " " + text;
+  if (const auto degrees = value("screen", "rotation_deg"); !degrees.empty()) text += " " + degrees;
+  if (const auto bits = value("screen", "bits"); !bits.empty()) text += " " + bits + "-bit";
+  if (const auto touch = value("screen", "touch"); !touch.empty()) text += " " + touch;
+  return text;
+}
+
 std::string BoardDraft::allowed_for(std::string_view table, std::string_view key) const {
   const Bound now(board_);
   return allowed(*now.find(table, key));
@@ -265,14 +304,16 @@ std::string BoardDraft::text() const {
   const Bound now(board_);
   std::string_view table;
   for (const SettingRule& rule : now.rules) {
-    const std::string value_text = value(rule.table, rule.key);
-    const bool named = is_text(rule) && !std::holds_alternative<ChoiceSetting>(rule.value);
+    const auto source = sources_.find({std::string(rule.table), std::string(rule.key)});
+    const bool choice = std::holds_alternative<ChoiceSetting>(rule.value);
+    // A choice that somebody was asked about is written even if the key's absence would mean the same.
+    const std::string value_text = choice && source != sources_.end() ? shown(rule) : value(rule.table, rule.key);
+    const bool named = is_text(rule) && !choice;
     if (value_text.empty() && (rule.presence == Presence::kOptional || !named)) continue;
     if (rule.table != table) out += "\n[" + std::string(rule.table) + "]\n";
     table = rule.table;
     std::string line = std::string(rule.key) + " = " + (is_text(rule) ? quoted(value_text) : value_text);
     line.resize(std::max(kComment, line.size() + 1), ' ');
-    const auto source = sources_.find({std::string(rule.table), std::string(rule.key)});
     out.append(line).append("# ");
     if (rule.unit[0] == ' ') out.append(rule.unit + 1).append("; ");
     out.append(source == sources_.end() ? "as " + like_ : source->second).append("\n");

@@ -30,12 +30,16 @@ class BoardDraft {
   /// A fan: "hwmon NAME 1", "pwm pwmchip0 0", or "none".
   [[nodiscard]] Status set_fan(std::string_view table, const std::string& answer, std::string_view source);
 
+  /// A screen for people: "HDMI-A-1 800x480", "SPI-1 320x240 90 16-bit /dev/input/by-path/NAME-event", in any order, or "none".
+  [[nodiscard]] Status set_screen(const std::string& answer, std::string_view source);
+
   /// The present value, as set() takes it; empty: an optional key that is not set.
   std::string value(std::string_view table, std::string_view key) const;
-  /// The present values of a wiring table, as set_line(), set_sensor() and set_fan() take them; "none" if it is not given.
+  /// The present values of a wiring table, as set_line() and the others take them; "none" if it is not given.
   std::string line(std::string_view table) const;
   std::string sensor(std::string_view table) const;
   std::string fan(std::string_view table) const;
+  std::string screen() const;
   /// "an integer from 1 to 16384 pixels"
   std::string allowed_for(std::string_view table, std::string_view key) const;
 

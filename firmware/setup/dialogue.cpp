@@ -114,7 +114,13 @@ Expected<std::unique_ptr<WrittenAnswers>> WrittenAnswers::parse(std::string_view
   return answers;
 }
 
-void WrittenAnswers::say(std::string_view text) { write_line(text); }
+void WrittenAnswers::say(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    write_line(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+}
 
 Status WrittenAnswers::check_all_used() const {
   for (const auto& [name, answer] : answers_) {

@@ -8,19 +8,19 @@ namespace {
 
 using Mirror = PanelLayout::Mirror;
 
-struct Orientation {
+struct PanelTurn {
   std::uint32_t rotation_deg;
   Mirror mirror;
 };
 /// Each way a picture can be turned and mirrored, once. The plainest come first.
-constexpr std::array<Orientation, 8> kOrientations = {{{0, Mirror::kNone},
-                                                       {0, Mirror::kX},
-                                                       {0, Mirror::kY},
-                                                       {180, Mirror::kNone},
-                                                       {90, Mirror::kNone},
-                                                       {270, Mirror::kNone},
-                                                       {90, Mirror::kX},
-                                                       {90, Mirror::kY}}};
+constexpr std::array<PanelTurn, 8> kOrientations = {{{0, Mirror::kNone},
+                                                     {0, Mirror::kX},
+                                                     {0, Mirror::kY},
+                                                     {180, Mirror::kNone},
+                                                     {90, Mirror::kNone},
+                                                     {270, Mirror::kNone},
+                                                     {90, Mirror::kX},
+                                                     {90, Mirror::kY}}};
 
 /// Corner k of a picture of 2 x 2 pixels, clockwise from the upper left.
 constexpr std::array<PanelLayout::Pixel, 4> kCorners = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
@@ -70,7 +70,7 @@ CornerSquares squares_in(ConstBitImage picture) {
 }
 
 Expected<PanelLayout> layout_for(const PanelLayout& sent, const CornerSquares& seen) {
-  for (const Orientation& one : kOrientations) {
+  for (const PanelTurn& one : kOrientations) {
     // Corner k of the mask goes to corner `to` of the picture that is sent, and whoever looks must see it with left and right swapped.
     const PanelLayout small{2, 2, one.rotation_deg, one.mirror, false};
     const bool fits = std::all_of(kCorners.begin(), kCorners.end(), [&](const PanelLayout::Pixel& corner) {

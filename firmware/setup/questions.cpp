@@ -14,10 +14,15 @@ struct Key {
   const char* table;
   const char* key;
   const char* use;
+  const char* otherwise = "";  ///< what a file without the key says
 };
 
 /// In an order in which no answer is checked against one that is still to come.
-constexpr std::array<Key, 18> kKeys = {{
+constexpr std::array<Key, 21> kKeys = {{
+    {"printer", "language", "language of the printer's screen", "en"},
+    {"printer", "page",
+     "who may open the printer's page in a browser. off: nobody; local: this machine; network: whoever is paired",
+     "off"},
     {"panel", "columns",
      "pixels of the panel along x, as its data sheet counts them. The look at the panel may swap x and y"},
     {"panel", "rows", "pixels of the panel along y"},
@@ -38,6 +43,11 @@ constexpr std::array<Key, 18> kKeys = {{
     {"tank", "volume_ml", "resin in a full tank"},
     {"memory", "arena_mib", "memory for the slicer: half of the board's"},
     {"print", "profile", "file in profiles/ for resin and print"},
+    {"print", "start",
+     "what begins a print. on_request: somebody presses start; after_preview: somebody presses start again once the "
+     "size and time are "
+     "known; on_stick: a stick that is plugged in, for test rigs",
+     "on_request"},
 }};
 
 /// What a line says when it is on, where that is not plain.
@@ -68,7 +78,8 @@ Status ask_about_printer(Dialogue& dialogue, BoardDraft& draft, const std::strin
   PLUMBLINE_TRY(draft.set("printer", "name", name, "equals the file's name"));
   const auto ask_key = [&](const Key& one) {
     const std::string full = std::string(one.table) + "." + one.key;
-    const Question question{full, one.use, draft.allowed_for(one.table, one.key), draft.value(one.table, one.key)};
+    const std::string now = draft.value(one.table, one.key);
+    const Question question{full, one.use, draft.allowed_for(one.table, one.key), now.empty() ? one.otherwise : now};
     return dialogue.ask(question, [&](const std::string& answer) -> Status {
       // What is taken over is checked, too: another answer may not go with it.
       const bool same = answer == draft.value(one.table, one.key);
@@ -79,6 +90,14 @@ Status ask_about_printer(Dialogue& dialogue, BoardDraft& draft, const std::strin
     });
   };
   for (const Key& one : kKeys) PLUMBLINE_TRY(ask_key(one));
+  const Question screen{
+      "screen", "a small display for people",
+      "connector and size in pixels, such as HDMI-A-1 800x480; if it needs them, its rotation in degrees, 16-bit, and "
+      "the path of its touch panel; or none",
+      draft.screen()};
+  PLUMBLINE_TRY(dialogue.ask(screen, [&](const std::string& answer) {
+    return answer == draft.screen() ? Status() : draft.set_screen(answer, kAsked);
+  }));
   if (draft.values().machine->simulated) return {};
   PLUMBLINE_TRY(ask_key({"display", "connector", "the panel's connector, such as HDMI-A-1"}));
   Status asked;

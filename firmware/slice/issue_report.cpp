@@ -19,7 +19,7 @@ FixedText<32> volume(double ml) {
   return text;
 }
 
-void add_size(FixedText<256>& text, const Issue& issue, const IssueScale& scale) {
+void add_size(Sentence& text, const Issue& issue, const IssueScale& scale) {
   switch (words_of(issue.kind).size) {
     case IssueSize::kArea:
       text.add("%s mm2 (%llu px)", three_digits(scale.mm2(issue.pixels)).c_str(), big(issue.pixels));
@@ -37,7 +37,7 @@ void add_size(FixedText<256>& text, const Issue& issue, const IssueScale& scale)
   }
 }
 
-void add_place(FixedText<256>& text, const Issue& issue, const IssueScale& scale) {
+void add_place(Sentence& text, const Issue& issue, const IssueScale& scale) {
   const bool everywhere = words_of(issue.kind).size == IssueSize::kLayers;
   if (!everywhere) text.add(" at x %.1f, y %.1f mm", scale.x_mm(issue), scale.y_mm(issue));
   if (issue.layers() > 1) {
@@ -48,22 +48,22 @@ void add_place(FixedText<256>& text, const Issue& issue, const IssueScale& scale
   }
 }
 
-/// Calls visit(kind, group) for each kind that was found.
+/// Calls visit(kind, group) for each kind that was found and that a person is told of.
 template <class Visit>
 void for_each_found(const StackFindings& findings, Visit visit) {
   for (std::size_t i = 0; i < kIssueKindCount; ++i) {
-    if (findings.groups[i].count > 0) visit(static_cast<IssueKind>(i), findings.groups[i]);
+    if (findings.groups[i].told() > 0) visit(static_cast<IssueKind>(i), findings.groups[i]);
   }
 }
 
 /// Numbers of the kinds that were found and that matter.
 template <class Matters>
-FixedText<160> counts_of(const StackFindings& findings, Matters matters) {
-  FixedText<160> text;
+Sentence counts_of(const StackFindings& findings, Matters matters) {
+  Sentence text;
   for_each_found(findings, [&](IssueKind kind, const IssueGroup& group) {
     if (!matters(kind)) return;
-    const std::string_view name = group.count == 1 ? words_of(kind).one : words_of(kind).many;
-    text.add("%s%u %.*s", text.view().empty() ? "" : ", ", group.count, static_cast<int>(name.size()), name.data());
+    const std::string_view name = group.told() == 1 ? words_of(kind).one : words_of(kind).many;
+    text.add("%s%u %.*s", text.view().empty() ? "" : ", ", group.told(), static_cast<int>(name.size()), name.data());
   });
   return text;
 }
@@ -116,20 +116,21 @@ CheckLimits coarse_limits(const PrintGrid& grid, const PeelSettings& peel) {
   return limits;
 }
 
-FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, const PrintGrid& grid) {
+Sentence issue_sentence(IssueKind kind, const StackFindings& findings, const PrintGrid& grid) {
   const IssueGroup& group = findings.of(kind);
   const IssueScale scale(grid);
   const IssueWords& words = words_of(kind);
-  const std::string_view name = group.count == 1 ? words.one : words.many;
-  FixedText<256> text;
-  text.add("%u %.*s", group.count, static_cast<int>(name.size()), name.data());
+  const std::uint32_t count = group.told();
+  const std::string_view name = count == 1 ? words.one : words.many;
+  Sentence text;
+  text.add("%u %.*s", count, static_cast<int>(name.size()), name.data());
   if (kind == IssueKind::kFreePiece) {
     const double percent = 100 * findings.fallen_share();
     text.add(", %.*g %% of the print", percent < 99.5 ? 2 : 3, percent);
   }
-  if (group.count > 1 && words.size == IssueSize::kVolume) text.add(", %s", volume(scale.ml(group.voxels)).c_str());
-  text.add("%s", group.count == 1 ? (kind == IssueKind::kFreePiece || kind == IssueKind::kTear ? ": " : " of ")
-                                  : ", the largest of ");
+  if (count > 1 && words.size == IssueSize::kVolume) text.add(", %s", volume(scale.ml(group.voxels)).c_str());
+  text.add("%s", count == 1 ? (kind == IssueKind::kFreePiece || kind == IssueKind::kTear ? ": " : " of ")
+                            : ", the largest of ");
   add_size(text, group.kept[0], scale);
   add_place(text, group.kept[0], scale);
   if (kind == IssueKind::kFreePiece && findings.shadowed_voxels > 0) {
@@ -143,7 +144,7 @@ Told told_issue(IssueKind kind, const StackFindings& findings, const PrintGrid& 
   const Issue& largest = group.kept[0];
   const IssueScale scale(grid);
   Told told(static_cast<ToldCode>(static_cast<std::size_t>(PrinterCode::kIsland) + static_cast<std::size_t>(kind)),
-            {{Fact::kCount, group.count}});
+            {{Fact::kCount, group.told()}});
   if (kind == IssueKind::kFreePiece) told.add(Fact::kPercent, 100 * findings.fallen_share());
   switch (words_of(kind).size) {
     case IssueSize::kArea: told.add(Fact::kAreaMm2, scale.mm2(largest.pixels)); break;
@@ -164,7 +165,7 @@ Told told_issue(IssueKind kind, const StackFindings& findings, const PrintGrid& 
   return told;
 }
 
-FixedText<160> issue_counts(const StackFindings& findings) {
+Sentence issue_counts(const StackFindings& findings) {
   auto text = counts_of(findings, [](IssueKind) { return true; });
   if (findings.unchecked_layers > 0) {
     text.add("%s%u layer%s too fine to check", text.view().empty() ? "" : ", ", findings.unchecked_layers,
@@ -174,7 +175,7 @@ FixedText<160> issue_counts(const StackFindings& findings) {
   return text;
 }
 
-FixedText<160> issue_counts(const StackFindings& findings, const CheckPolicy& policy, CheckAction action) {
+Sentence issue_counts(const StackFindings& findings, const CheckPolicy& policy, CheckAction action) {
   return counts_of(findings, [&](IssueKind kind) { return policy.of(kind) == action; });
 }
 
@@ -204,7 +205,10 @@ Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPo
   });
   auto found = issue_sentence(*first, findings, grid);
   const auto others = counts_of(findings, [&](IssueKind kind) { return kind != *first && policy.of(kind) == action; });
-  if (!others.view().empty()) found.add("; also %s", others.c_str());
+  // An error has no more room, and what was found comes first.
+  constexpr std::size_t kMostOthers = 80;
+  const bool all = others.view().size() <= kMostOthers;
+  if (!others.view().empty()) found.add("; also %s", all ? others.c_str() : "other issues");
   const std::string_view advice = words_of(*first).advice;
   const std::string_view key = words_of(*first).key;
   const int capital = std::toupper(static_cast<unsigned char>(advice[0]));
@@ -241,17 +245,21 @@ void write_issues(JsonWriter& json, const StackFindings& findings, const PrintGr
   json.member("shadowed_ml", scale.ml(findings.shadowed_voxels));
   json.key("kinds");
   json.begin_object();
-  for_each_found(findings, [&](IssueKind kind, const IssueGroup& group) {
+  for (std::size_t i = 0; i < kIssueKindCount; ++i) {
+    const auto kind = static_cast<IssueKind>(i);
+    const IssueGroup& group = findings.groups[i];
+    if (group.count == 0) continue;
     json.key(words_of(kind).key);
     json.begin_object();
     json.member("count", group.count);
+    json.member("minor", group.minor);
     json.member("action", kCheckActionWords[static_cast<std::size_t>(policy.of(kind))]);
     json.key("largest");
     json.begin_array();
     for (const Issue& issue : group.all_kept()) write_issue(json, issue, scale);
     json.end_array();
     json.end_object();
-  });
+  }
   json.end_object();
   json.end_object();
 }

@@ -22,15 +22,15 @@ CheckLimits coarse_limits(const PrintGrid& grid, const PeelSettings& peel);
 
 /// "3 islands, the largest of 1.46 mm2 (582 px) at x 34.2, y 61.0 mm in layer 702 (35.10 mm)".
 /// @param group  not empty
-FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, const PrintGrid& grid);
+Sentence issue_sentence(IssueKind kind, const StackFindings& findings, const PrintGrid& grid);
 
 /// The same as a code with values.
 Told told_issue(IssueKind kind, const StackFindings& findings, const PrintGrid& grid);
 
 /// "2 islands, 1 resin trap", "no issues".
-FixedText<160> issue_counts(const StackFindings& findings);
+Sentence issue_counts(const StackFindings& findings);
 /// Only the kinds for which `policy` has `action`; empty: there are none.
-FixedText<160> issue_counts(const StackFindings& findings, const CheckPolicy& policy, CheckAction action);
+Sentence issue_counts(const StackFindings& findings, const CheckPolicy& policy, CheckAction action);
 
 using IssueVisit = FunctionRef<void(IssueKind kind, CheckAction action, std::string_view sentence)>;
 /// Calls visit() for each kind that was found and is not ignored: the sentence, a colon and the advice.

@@ -3,14 +3,14 @@
 ///
 ///   layer00000.png ...          the masks, as in a folder of layers
 ///   thumbnail/thumbnail*.png    the print in the two sizes that printers show
-///   config.ini, prusaslicer.ini sl1_settings.hpp
+///   config.ini, prusaslicer.ini sl1_config.hpp
 
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 
-#include "firmware/archive/sl1_settings.hpp"
+#include "firmware/archive/sl1_config.hpp"
 #include "firmware/archive/zip_writer.hpp"
 #include "slicer/core/error.hpp"
 

@@ -20,7 +20,7 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kLayers = "layers";
-/// In the order of Picture.
+/// In the order of JobPicture.
 constexpr std::array kPictures = {"preview.png", "coverage.png", "issues.png", "comparison.png"};
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kNewManifest = "manifest.json.part";
@@ -214,9 +214,9 @@ Status JobDirectory::write_layer(std::uint32_t layer, std::span<const std::byte>
   return write_file(layer_path(layer).c_str(), png);
 }
 
-const char* JobDirectory::name(Picture picture) { return kPictures[static_cast<std::size_t>(picture)]; }
+const char* JobDirectory::name(JobPicture picture) { return kPictures[static_cast<std::size_t>(picture)]; }
 
-Status JobDirectory::write_picture(Picture picture, std::span<const std::byte> png) {
+Status JobDirectory::write_picture(JobPicture picture, std::span<const std::byte> png) {
   return write_file(file_path(name(picture)).c_str(), png);
 }
 

@@ -21,7 +21,7 @@
 
 namespace plumbline {
 
-enum class Picture : std::uint8_t {
+enum class JobPicture : std::uint8_t {
   kPreview,     ///< what is to be printed, or was
   kCoverage,    ///< which parts of the surface were scanned
   kIssues,      ///< where the checks of the masks have found something
@@ -57,8 +57,8 @@ class JobDirectory {
   /// @retval ErrorCode::kCannotOpen, kCannotWrite  path, reason, what to do
   [[nodiscard]] Status write_layer(std::uint32_t layer, std::span<const std::byte> png);
   /// Of its file.
-  static const char* name(Picture picture);
-  [[nodiscard]] Status write_picture(Picture picture, std::span<const std::byte> png);
+  static const char* name(JobPicture picture);
+  [[nodiscard]] Status write_picture(JobPicture picture, std::span<const std::byte> png);
 
   /// The manifest, under a temporary name until finish().
   [[nodiscard]] Expected<OutputFile> create_manifest();

@@ -4,6 +4,7 @@
 
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "firmware/slice/proof_report.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
 
@@ -25,7 +26,7 @@ void for_each_size_remark(const SliceReport& slice, RemarkVisit visit) {
   const PrintGrid& grid = slice.placement.grid;
   const Vec3d& size = slice.placement.size_mm;
   const double longest = size.maxCoeff();
-  FixedText<256> text;
+  Sentence text;
   if (slice.ignored_units) {
     visit({PrinterCode::kUnitsIgnored, {}, to_string(*slice.ignored_units)},
           ignored_units_warning(*slice.ignored_units).view());
@@ -68,6 +69,36 @@ void for_each_size_remark(const SliceReport& slice, RemarkVisit visit) {
         slice.cloud_capacity, cell_mm, pitch);
     visit({PrinterCode::kPointsAveraged, {{Fact::kCellMm, cell_mm}, {Fact::kPixelMm, pitch}}}, text.view());
   }
+}
+
+/// Remarks on a print that is not as large as somebody has asked for.
+void remark_on_asked_size(const SliceReport& slice, RemarkVisit visit) {
+  if (!slice.asked_size) return;
+  const auto [side, asked] = *slice.asked_size;
+  const PrintGrid& grid = slice.placement.grid;
+  const Vec3d step(static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm),
+                   static_cast<double>(grid.layer_height_mm));
+  Eigen::Index axis = static_cast<Eigen::Index>(side);
+  if (side == Side::kLength) slice.printed_mm.maxCoeff(&axis);
+  const double printed = slice.printed_mm[axis];
+  // Masks are whole pixels and layers.
+  if (std::abs(printed - asked) < 1.01 * step[axis]) return;
+  const bool sunk =
+      axis == 2 && slice.sunk_layers > 0 && std::abs(printed + slice.sunk_layers * step[2] - asked) < 1.01 * step[2];
+  Sentence text;
+  text.add("the object is %.2f mm %s, not %.4g: %s. If that matters, ask for %.4g mm", printed,
+           side == Side::kWidth    ? "wide"
+           : side == Side::kDepth  ? "deep"
+           : side == Side::kHeight ? "high"
+                                   : "long",
+           asked,
+           sunk         ? "so much was cut off its underside that it stands flat"
+           : slice.mesh ? "what reaches beyond that is too thin to print"
+                        : "what reaches beyond that is the scan's noise, or too thin to print",
+           asked * asked / std::max(printed, step[axis]));
+  visit({sunk ? PrinterCode::kSizeSunk : PrinterCode::kSizeOff,
+         {{PrinterFact::kAskedMm, asked}, {PrinterFact::kDeliveredMm, printed}}},
+        text.view());
 }
 
 }  // namespace
@@ -128,8 +159,8 @@ FixedText<96> size_text(const Placement& placement) {
   return text;
 }
 
-FixedText<256> stray_warning(const StrayPieces& strays) {
-  FixedText<256> text;
+Sentence stray_warning(const StrayPieces& strays) {
+  Sentence text;
   if (strays.pieces == 0) return text;
   const bool one = strays.pieces == 1;
   text.add(
@@ -139,17 +170,18 @@ FixedText<256> stray_warning(const StrayPieces& strays) {
   return text;
 }
 
-FixedText<256> ignored_units_warning(Units units) {
-  FixedText<256> text;
+Sentence ignored_units_warning(Units units) {
+  Sentence text;
   text.add(
-      "the unit %s was ignored: the file says its own (E57 in metres, 3MF any). If the print has the wrong size, give "
+      "the unit %s was ignored: the file says its own (E57 in metres, 3MF and tables any). If the print has the wrong "
+      "size, give "
       "one: --height 80mm",
       to_string(units));
   return text;
 }
 
-FixedText<256> floor_warning(const FloorCut& floor, double scale) {
-  FixedText<256> text;
+Sentence floor_warning(const FloorCut& floor, double scale) {
+  Sentence text;
   const Vec3d mm = floor.size * scale;
   // What to do comes first: a screen may have no room for the rest.
   text.add(
@@ -161,8 +193,8 @@ FixedText<256> floor_warning(const FloorCut& floor, double scale) {
   return text;
 }
 
-FixedText<256> averaged_warning(std::uint32_t averagings, double noise_mm) {
-  FixedText<256> text;
+Sentence averaged_warning(std::uint32_t averagings, double noise_mm) {
+  Sentence text;
   if (averagings == 0) return text;
   text.add(
       "the points are too noisy to show a surface (about %.2g mm), so neighbours were averaged, %u time%s: "
@@ -171,8 +203,8 @@ FixedText<256> averaged_warning(std::uint32_t averagings, double noise_mm) {
   return text;
 }
 
-FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points) {
-  FixedText<256> text;
+Sentence turned_warning(const NormalCounts& normals, std::uint32_t points) {
+  Sentence text;
   const double share = points > 0 ? static_cast<double>(normals.turned) / points : 0;
   if (normals.contradictory) {
     text.add(
@@ -197,15 +229,52 @@ Told told_turned(const NormalCounts& normals, std::uint32_t points) {
   return {code, {{Fact::kPercent, 100.0 * normals.turned / std::max(points, 1U)}}};
 }
 
+/// What a slicer's project holds that is not used.
+void remark_on_project(const UnusedSettings& project, RemarkVisit visit) {
+  Sentence text;
+  if (project.ignored > 0) {
+    text.add(
+        "%u %s of the project %s left out, since %s no part of the object: modifiers, support enforcers or blockers",
+        project.ignored, project.ignored == 1 ? "volume" : "volumes", project.ignored == 1 ? "was" : "were",
+        project.ignored == 1 ? "it is" : "they are");
+    visit({PrinterCode::kVolumesLeftOut, {{Fact::kCount, project.ignored}}}, text.view());
+  }
+  const auto say = [&](bool found, PrinterCode code, std::string_view sentence) {
+    if (found) visit({code, {}}, sentence);
+  };
+  say(project.hollowing, PrinterCode::kHollowingUnused,
+      "the project says that the object is hollow: it is printed solid. Export the hollow object as STL or 3MF");
+  say(project.drain_holes, PrinterCode::kDrainHolesUnused,
+      "the project has drain holes, which are not printed. Export the object with its holes as STL or 3MF");
+  say(project.support_points, PrinterCode::kSupportPointsUnused,
+      "the project has support points, which are not used: supports are found anew");
+  say(project.correction, PrinterCode::kCorrectionUnused,
+      "the project corrects scale or XY size, which is not used. Set it for this printer");
+}
+
 /// What was left out of a mesh, and how its holes were closed.
 void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
-  FixedText<256> text;
+  Sentence text;
   if (mesh.not_finite > 0) {
     text.add("%llu of the mesh's %llu triangles %s left out: a coordinate is not finite, or huge", big(mesh.not_finite),
              big(mesh.not_finite + mesh.triangles), mesh.not_finite == 1 ? "was" : "were");
     visit({PrinterCode::kTrianglesLeftOut,
            {{Fact::kCount, mesh.not_finite}, {Fact::kOf, mesh.not_finite + mesh.triangles}}},
           text.view());
+  }
+  remark_on_project(mesh.project, visit);
+  if (mesh.turned > 0) {
+    text = {};
+    text.add("%llu of the mesh's %llu triangles faced inwards and %s turned over. Look at the preview",
+             big(mesh.turned), big(mesh.triangles), mesh.turned == 1 ? "was" : "were");
+    visit({PrinterCode::kFacesTurned, {{Fact::kCount, mesh.turned}, {Fact::kOf, mesh.triangles}}}, text.view());
+  }
+  if (mesh.dropped > 0) {
+    text = {};
+    text.add("%llu of the mesh's %llu triangles %s there more than once and %s left out. Look at the preview",
+             big(mesh.dropped), big(mesh.triangles), mesh.dropped == 1 ? "was" : "were",
+             mesh.dropped == 1 ? "was" : "were");
+    visit({PrinterCode::kFacesDoubled, {{Fact::kCount, mesh.dropped}, {Fact::kOf, mesh.triangles}}}, text.view());
   }
   if (mesh.closed_holes > 0) {
     text = {};
@@ -217,15 +286,12 @@ void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
   }
   if (!mesh.closed && (mesh.closed_holes == 0 || mesh.decided_rays > 0)) {
     text = {};
-    const std::uint64_t rays = mesh.turned ? mesh.rays : std::max(mesh.rays, mesh.decided_rays);
-    const std::uint64_t odd = mesh.turned ? mesh.broken_rays : mesh.decided_rays;
-    text.add(mesh.turned
-                 ? "some of the mesh's faces are turned over: %llu of %llu rays %s decided without their direction"
-                 : "the mesh is not closed (holes, or faces that are flipped, doubled or missing): %llu of %llu rays "
-                   "%s decided by its winding number. Look at the preview",
-             big(odd), big(rays), odd == 1 ? "was" : "were");
-    visit({mesh.turned ? PrinterCode::kFacesTurned : PrinterCode::kMeshOpen, {{Fact::kCount, odd}, {Fact::kOf, rays}}},
-          text.view());
+    const std::uint64_t rays = std::max(mesh.rays, mesh.decided_rays);
+    text.add(
+        "the mesh is not closed (it has holes): %llu of %llu rays %s decided by its winding number. Look at the "
+        "preview",
+        big(mesh.decided_rays), big(rays), mesh.decided_rays == 1 ? "was" : "were");
+    visit({PrinterCode::kMeshOpen, {{Fact::kCount, mesh.decided_rays}, {Fact::kOf, rays}}}, text.view());
   }
   if (mesh.crowded_rays > 0) {
     text = {};
@@ -239,7 +305,7 @@ void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
 void remark_on_losses(const SliceReport& slice, RemarkVisit visit) {
   constexpr double kMuch = 0.02;          // small solids over what stays: dirty scans have .001
   constexpr double kManyOutliers = 0.25;  // of all points: dirty scans have .03
-  FixedText<256> text;
+  Sentence text;
   const ComponentCounts& c = slice.components;
   const auto removed = static_cast<double>(c.dropped_voxels);
   if (removed > kMuch * static_cast<double>(c.voxels)) {
@@ -269,10 +335,7 @@ void remark_on_losses(const SliceReport& slice, RemarkVisit visit) {
 
 FixedText<128> mesh_text(const MeshCounts& mesh) {
   FixedText<128> text;
-  text.add("%llu triangle%s, %s", big(mesh.triangles), plural_s(mesh.triangles),
-           mesh.closed   ? "closed"
-           : mesh.turned ? "closed, some faces turned over"
-                         : "not closed");
+  text.add("%llu triangle%s, %s", big(mesh.triangles), plural_s(mesh.triangles), mesh.closed ? "closed" : "not closed");
   return text;
 }
 
@@ -283,6 +346,7 @@ bool lies_on_its_face(const ClusteringCounts& clustering) {
 
 void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
   for_each_size_remark(slice, visit);
+  remark_on_asked_size(slice, visit);
   if (slice.mesh) return for_each_mesh_remark(*slice.mesh, visit);
   if (slice.averagings > 0) {
     const auto noise_mm = static_cast<double>(slice.lengths.averaged_noise.value);
@@ -305,7 +369,7 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
          {{Fact::kCount, strays.pieces}, {Fact::kPoints, strays.points}, {Fact::kPercent, 100 * double{strays.share}}}},
         stray_warning(strays).view());
   }
-  FixedText<256> text = turned_warning(slice.normals, slice.cloud_points);
+  Sentence text = turned_warning(slice.normals, slice.cloud_points);
   if (!text.view().empty()) visit(told_turned(slice.normals, slice.cloud_points), text.view());
   if (slice.components.floating_solids > 0) {
     text = {};
@@ -351,6 +415,7 @@ void find_warnings(JobReport& report) {
   for_each_remark(s, [&](const Told&, std::string_view warning) {
     report.warnings.add().add("%.*s", static_cast<int>(warning.size()), warning.data());
   });
+  if (s.proof.is_doubtful()) report.warnings.add().add("%s", points_off_warning(s.proof).c_str());
   if (report.coverage) {
     const auto unseen = unseen_sentence(Unseen::of(*report.coverage));
     if (!unseen.view().empty()) {

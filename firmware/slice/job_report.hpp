@@ -19,11 +19,11 @@ namespace plumbline {
 /// Sentences to read before printing.
 struct JobWarnings {
   static constexpr std::size_t kMost = 24;
-  std::array<FixedText<256>, kMost> lines = {};
+  std::array<Sentence, kMost> lines = {};
   std::size_t count = 0;
 
-  FixedText<256>& add() { return lines[count < kMost ? count++ : kMost - 1]; }
-  std::span<const FixedText<256>> all() const { return std::span(lines).first(count); }
+  Sentence& add() { return lines[count < kMost ? count++ : kMost - 1]; }
+  std::span<const Sentence> all() const { return std::span(lines).first(count); }
 };
 
 struct JobReport {
@@ -91,22 +91,22 @@ FixedText<96> scanned_text(const Unseen& unseen);
 FixedText<96> size_text(const Placement& placement);
 
 /// The sentence about stray pieces that were left out; empty if there were none.
-FixedText<256> stray_warning(const StrayPieces& strays);
+Sentence stray_warning(const StrayPieces& strays);
 
 /// Says that the unit asked for was ignored, and why.
-FixedText<256> ignored_units_warning(Units units);
+Sentence ignored_units_warning(Units units);
 
 /// The sentence about neighbours that were averaged; empty if they were not.
 /// @param noise_mm  of the scan's points
-FixedText<256> averaged_warning(std::uint32_t averagings, double noise_mm);
+Sentence averaged_warning(std::uint32_t averagings, double noise_mm);
 
 /// The sentence about a floor that was cut off.
 /// @param scale  mm per scan unit
-FixedText<256> floor_warning(const FloorCut& floor, double scale);
+Sentence floor_warning(const FloorCut& floor, double scale);
 
 /// The sentence about normals that were flipped; empty if they are few, as those of flying pixels at edges.
 /// @param points  of the cloud
-FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points);
+Sentence turned_warning(const NormalCounts& normals, std::uint32_t points);
 
 /// "1042 triangles, closed".
 FixedText<128> mesh_text(const MeshCounts& mesh);

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "firmware/slice/job_archive.hpp"
+#include "firmware/slice/proof_report.hpp"
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/core/words/plural.hpp"
 #include "slicer/reader/formats/format_probe.hpp"
@@ -43,6 +44,14 @@ void add_scan(Text& text, const JobReport& report) {
     text.add("           %llu point%s dropped: %s\n", big(s.scan.left_out), plural_s(s.scan.left_out),
              why_left_out(s.scan.header.format));
   }
+  if (s.outliers > 0) {
+    text.add("           %u point%s dropped: outliers, far from others and on no surface\n", s.outliers,
+             plural_s(s.outliers));
+  }
+  if (s.evened_points > 0) {
+    text.add("           %u point%s averaged along the lines that they lie in\n", s.evened_points,
+             plural_s(s.evened_points));
+  }
   if (s.averaged_points > 0) {
     text.add("thinned    to %u points: one for each cell of %.3g mm (room for %u)\n", s.cloud_points,
              static_cast<double>(s.lengths.thinning_cell.value), s.cloud_capacity);
@@ -71,6 +80,7 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
     text.add("time       %.*s\n", static_cast<int>(print_time.size()), print_time.data());
   }
   if (s.mesh) text.add("mesh       %s\n", mesh_text(*s.mesh).c_str());
+  if (s.proof.points > 0) text.add("proven     %s\n", proven_text(s.proof).c_str());
   if (report.coverage) text.add("scanned    %s\n", scanned_text(Unseen::of(*report.coverage)).c_str());
 }
 
@@ -101,19 +111,13 @@ void add_clusters(Text& text, const SliceReport& s) {
            share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
            share(PointClass::kNoise));
   if (s.lengths.views_moved.value > 0) {
-    text.add(
-        "views      %u found and moved by %.3g mm to agree, %.2g mm of it ripple: points were %.3g mm off their "
-        "surface, "
-        "now %.3g mm\n",
-        s.views.views, static_cast<double>(s.lengths.views_moved.value),
-        static_cast<double>(s.lengths.views_ripple.value), static_cast<double>(s.lengths.views_before.value),
-        static_cast<double>(s.lengths.views_after.value));
+    const bool runs = s.stated_views.count == 0;
+    text.add("views      %u%s moved by %.3g mm to agree: points were %.3g mm off their surface, now %.3g mm\n",
+             runs ? kRuns : s.stated_views.count, runs ? " parts of the file, in its order," : "",
+             static_cast<double>(s.lengths.views_moved.value), static_cast<double>(s.lengths.views_before.value),
+             static_cast<double>(s.lengths.views_after.value));
   }
   if (s.strays.pieces > 0) text.add("strays     %s\n", stray_warning(s.strays).c_str());
-  if (s.bore_wall_points > 0) {
-    text.add("bores      %.3g mm2 of wall that no view saw was continued between the two ends\n",
-             static_cast<double>(s.lengths.bore_walls.value));
-  }
   text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.lengths.epsilon.value),
            static_cast<double>(s.width_mm), static_cast<double>(s.lengths.noise.value));
 }

@@ -6,6 +6,7 @@
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/io/version.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "firmware/slice/proof_report.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/reader/formats/format_probe.hpp"
 
@@ -36,7 +37,8 @@ void write_scan(JsonWriter& json, const JobReport& report) {
   json.end_object();
 }
 
-void write_grid(JsonWriter& json, const Placement& placement, Units units) {
+void write_grid(JsonWriter& json, const SliceReport& slice) {
+  const Placement& placement = slice.placement;
   const PrintGrid& grid = placement.grid;
   json.key("grid");
   json.begin_object();
@@ -47,7 +49,7 @@ void write_grid(JsonWriter& json, const Placement& placement, Units units) {
   json.row(std::array{grid.pitch_x_mm, grid.pitch_y_mm});
   json.member("layer_height_mm", grid.layer_height_mm);
   json.key("origin_mm");
-  json.row(Vec3d(millimetres_per(units) * placement.origin_in_scan()));
+  json.row(Vec3d(millimetres_per(slice.units) * placement.origin_in_scan()));
   json.end_object();
   json.key("transform");
   json.begin_array();
@@ -58,6 +60,8 @@ void write_grid(JsonWriter& json, const Placement& placement, Units units) {
   json.end_array();
   json.key("size_mm");
   json.row(placement.size_mm);
+  json.key("size_delivered_mm");
+  json.row(slice.printed_mm);
 }
 
 void write_points(JsonWriter& json, const SliceReport& slice) {
@@ -79,10 +83,9 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.member("normals_contradictory", slice.normals.contradictory);
   json.key("views");
   json.begin_object(kOneLine);
-  json.member("found", slice.views.views);
-  json.member("points", slice.views.points);
+  json.member("stated", slice.stated_views.count);
+  json.member("scanners_known", slice.stated_views.scanners);
   json.member("moved_mm", slice.lengths.views_moved.value);
-  json.member("ripple_mm", slice.lengths.views_ripple.value);
   json.member("off_surface_before_mm", slice.lengths.views_before.value);
   json.member("off_surface_after_mm", slice.lengths.views_after.value);
   json.end_object();
@@ -93,11 +96,6 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.member("exiting", points[PointClass::kExiting]);
   json.member("neutral", points[PointClass::kNeutral]);
   json.member("noise", points[PointClass::kNoise]);
-  json.end_object();
-  json.key("bore_walls_continued");
-  json.begin_object(kOneLine);
-  json.member("points", slice.bore_wall_points);
-  json.member("area_mm2", slice.lengths.bore_walls.value);
   json.end_object();
   json.member("core_points", slice.clustering.core_points);
   json.member("epsilon_mm", slice.lengths.epsilon.value);
@@ -261,7 +259,10 @@ void write_mesh(JsonWriter& json, const std::optional<MeshCounts>& mesh) {
   json.member("triangles_flat", mesh->flat);
   json.member("vertices", mesh->vertices);
   json.member("closed", mesh->closed);
-  json.member("turned_faces", mesh->turned);
+  json.member("volumes_cut_out", mesh->project.negative);
+  json.member("volumes_left_out", mesh->project.ignored);
+  json.member("triangles_turned", mesh->turned);
+  json.member("triangles_doubled", mesh->dropped);
   json.member("small_holes_closed", mesh->closed_holes);
   json.member("hits", mesh->hits);
   json.member("rays", mesh->rays);
@@ -281,6 +282,8 @@ void write_position(JsonWriter& json, const PreparationCounts& found) {
   json.key("size_scan_units");
   json.row(found.floor.size);
   json.end_object();
+  json.member("outliers", found.outliers);
+  json.member("evened_points", found.evened_points);
   json.member("flying_points", found.flying_points);
   json.key("orientation");
   json.begin_object(kOneLine);
@@ -345,7 +348,7 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   json.member("guessed", slice.units_guessed);
   json.end_object();
   json.member("scale_mm_per_unit", slice.placement.scale);
-  write_grid(json, slice.placement, slice.units);
+  write_grid(json, slice);
   json.key("underside");
   json.begin_object(kOneLine);
   json.member("base", to_string(report.base));
@@ -355,6 +358,7 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   write_rays(json, slice);
   write_evidence(json, report.coverage,
                  layer_hashes.empty() ? std::span<const ConfidenceMap::Counts>{} : slice.confidence.layers());
+  write_proof(json, slice.proof);
   json.member("volume_mm3", report.volume_mm3());
   write_supports(json, report);
   if (report.findings) {

@@ -94,11 +94,21 @@ Expected<MaskStack> MaskStack::open_archive(const std::string& path) {
   PLUMBLINE_TRY(stack.archive_->list(stack.archive_layers_));
   stack.columns_ = stack.archive_->columns();
   stack.rows_ = stack.archive_->rows();
-  const Sl1Settings& settings = stack.archive_->settings();
-  if (settings.width_mm && settings.depth_mm && settings.layer_height_mm) {
-    stack.scale_ = {*settings.width_mm / stack.columns_, *settings.depth_mm / stack.rows_, *settings.layer_height_mm};
+  const ArchiveSettings& settings = stack.archive_->settings();
+  const auto layer_height = settings.value(PrintKey::kLayerHeight);
+  const auto width = settings.width_mm(), depth = settings.depth_mm();
+  if (width && depth && layer_height) {
+    stack.scale_ = {*width / stack.columns_, *depth / stack.rows_, *layer_height};
   }
   return stack;
+}
+
+void MaskStack::turn_for(std::uint32_t columns, std::uint32_t rows) {
+  if (!archive_) return;
+  archive_->turn_for(columns, rows);
+  if (columns_ == archive_->columns()) return;
+  std::swap(columns_, rows_);
+  if (scale_) std::swap(scale_->pitch_x_mm, scale_->pitch_y_mm);
 }
 
 Expected<MaskStack> MaskStack::open(const std::string& path) {
@@ -150,7 +160,7 @@ Expected<MaskStack> MaskStack::open(const std::string& path) {
 Status MaskStack::load(std::uint32_t layer) { return read_whole(files_[layer], kLargestFile, bytes_); }
 
 Status MaskStack::read(std::uint32_t layer, BitImage out) {
-  if (archive_) return archive_->read(archive_layers_[layer], out);
+  if (archive_) return archive_->read(archive_layers_[layer], out, &grey_);
   PLUMBLINE_TRY(load(layer));
   const auto done = decode_mask(bytes_, out);
   if (!done) return tl::unexpected<Error>(done.error().with_prefix(files_[layer]));

@@ -40,11 +40,16 @@ class MaskStack {
   /// From a manifest.json beside the layers, or an archive's settings; none: they don't have it.
   const std::optional<StackScale>& scale() const { return scale_; }
 
+  /// An archive's: LayerArchive::turn_for(). A folder's lie as they are.
+  void turn_for(std::uint32_t columns, std::uint32_t rows);
+
   /// Reads a layer. Grey levels above 127 are white, as in UVtools.
   /// @param out  columns() x rows()
   /// @retval ErrorCode::kCannotOpen, kCannotRead
   /// @retval ErrorCode::kMalformed  no PNG, damaged, or of another size than the first layer
   [[nodiscard]] Status read(std::uint32_t layer, BitImage out);
+  /// Of the layers of an archive that were read so far.
+  const GreyShare& grey() const { return grey_; }
 
  private:
   [[nodiscard]] Status load(std::uint32_t layer);
@@ -55,6 +60,7 @@ class MaskStack {
   Descriptor file_;  ///< of the archive
   std::optional<LayerArchive> archive_;
   std::vector<ArchiveLayer> archive_layers_;
+  GreyShare grey_;
   std::vector<std::byte> bytes_;  ///< of the file that was loaded last
   std::uint32_t columns_ = 0, rows_ = 0;
   std::optional<StackScale> scale_;

@@ -13,7 +13,9 @@
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/manifest.hpp"
+#include "firmware/slice/proof_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
+#include "slicer/checks/what_matters.hpp"
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/support_building.hpp"
@@ -72,6 +74,7 @@ Status SliceJob::run(JobProgress& progress) {
 Status SliceJob::work(JobProgress& progress) {
   auto rrep = slice(scan_.sources(), settings_.slice, *arena_, &progress, report_.slice);
   PLUMBLINE_TRY(rrep);
+  PLUMBLINE_TRY(check_proof(report_.slice.proof, scan_.sources()));
   if (!masks_) {
     auto masks = PngEncoder::for_masks(rrep->grid.columns, rrep->grid.rows);
     PLUMBLINE_TRY(masks);
@@ -139,6 +142,7 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
     PLUMBLINE_TRY(kept);
   }
   report_.findings = checker->finish();
+  find_what_matters(*report_.findings, rrep.grid, added_supports(report_.supports, report_.slice));
   report_.cured_pixels = report_.findings->voxels;
   if (object_pixels) report_.support_pixels = report_.cured_pixels - *object_pixels;
   return judge(*report_.findings, rrep.grid, settings_.checks);
@@ -158,7 +162,7 @@ Status SliceJob::write_archive_end(const RRep& rrep, const Supports& supports) {
       PLUMBLINE_TRY(archive_->write_thumbnail(size, pictures_[0]->encode(*rgb, size.columns, size.rows)));
     }
   }
-  const ArchiveSettings& archive = *settings_.archive;
+  const ArchiveOutput& archive = *settings_.archive;
   return archive_->finish({archive.board, archive.profile, rrep.grid, report_.volume_mm3() / 1000,
                            archive.seconds ? archive.seconds(rrep.grid) : 0});
 }
@@ -182,13 +186,13 @@ Status SliceJob::write_pages(const RRep& rrep, const Supports& supports) {
   arena_->reset_peak();
   const ArenaScope scope(*arena_);
   struct Page {
-    Picture picture;
+    JobPicture picture;
     std::span<std::uint8_t> memory;
     std::span<const std::byte> file;
   };
   std::array<Page, kPages> pages;
   std::size_t count = 0;
-  const auto add = [&](Picture picture, auto draw) {
+  const auto add = [&](JobPicture picture, auto draw) {
     const auto memory = arena_->take_top<std::uint8_t>(kPageMemory, "preview");
     const Status drawn = memory ? draw(memory->first(kPageBytes)) : tl::unexpected<Error>(memory.error());
     if (drawn) {
@@ -200,14 +204,14 @@ Status SliceJob::write_pages(const RRep& rrep, const Supports& supports) {
     return drawn.has_value();
   };
   report_.has_preview =
-      add(Picture::kPreview, [&](std::span<std::uint8_t> rgb) { return draw_preview_page(rrep, supports, rgb); });
+      add(JobPicture::kPreview, [&](std::span<std::uint8_t> rgb) { return draw_preview_page(rrep, supports, rgb); });
   if (report_.coverage) {
-    report_.has_coverage = add(Picture::kCoverage, [&](std::span<std::uint8_t> rgb) {
+    report_.has_coverage = add(JobPicture::kCoverage, [&](std::span<std::uint8_t> rgb) {
       return draw_coverage(rrep, report_.slice.confidence, report_.scan_name, *arena_, rgb);
     });
   }
   if (ShownIssues(*report_.findings).count > 0) {
-    report_.has_issue_picture = add(Picture::kIssues, [&](std::span<std::uint8_t> rgb) {
+    report_.has_issue_picture = add(JobPicture::kIssues, [&](std::span<std::uint8_t> rgb) {
       return draw_issues(*report_.findings, rrep, supports, report_.scan_name, *arena_, rgb);
     });
   }

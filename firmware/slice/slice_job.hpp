@@ -21,17 +21,17 @@
 namespace plumbline {
 
 /// What an .sl1 archive says besides the masks.
-struct ArchiveSettings {
+struct ArchiveOutput {
   BoardFile board;
   PrintProfile profile;
   std::function<double(const PrintGrid&)> seconds;  ///< that a print takes; 0: not known
 };
 
 struct SliceJobSettings {
-  std::vector<std::string> scan_paths;     ///< files of one scan, in this order
-  std::string output_path;                 ///< a folder, or the archive
-  std::optional<ArchiveSettings> archive;  ///< none: a folder
-  std::string printer_name;                ///< for the manifest; empty: none
+  std::vector<std::string> scan_paths;   ///< files of one scan, in this order
+  std::string output_path;               ///< a folder, or the archive
+  std::optional<ArchiveOutput> archive;  ///< none: a folder
+  std::string printer_name;              ///< for the manifest; empty: none
   SliceSettings slice;
   std::optional<SupportSettings> supports;  ///< as check_support_settings() accepts; none: no supports
   CheckPolicy checks;

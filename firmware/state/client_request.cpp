@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "firmware/io/random_id.hpp"
 #include "firmware/io/text/json_cursor.hpp"
 #include "firmware/io/text/json_writer.hpp"
 #include "slicer/core/numbers/to_number.hpp"
@@ -21,9 +22,10 @@ struct Value {
   std::string_view text;
 };
 
-constexpr std::array<std::string_view, 14> kMembers = {"do",   "id",   "scan",  "key",  "value", "picture", "layer",
-                                                       "from", "code", "print", "side", "name",  "bytes",   "proposal"};
-enum Member : std::uint8_t {
+constexpr std::array<std::string_view, 18> kMembers = {"do",    "id",       "scan",   "key",   "value", "picture",
+                                                       "layer", "from",     "code",   "print", "side",  "name",
+                                                       "bytes", "proposal", "folder", "ml",    "for",   "job"};
+enum RequestMember : std::uint8_t {
   kDo,
   kId,
   kScan,
@@ -37,7 +39,11 @@ enum Member : std::uint8_t {
   kSide,
   kName,
   kBytes,
-  kProposal
+  kProposal,
+  kFolder,
+  kMl,
+  kFor,
+  kJob
 };
 
 /// The members that a command needs beside "do", and a reminder of them.
@@ -47,19 +53,21 @@ struct Needs {
   std::uint32_t allowed = 0;  ///< members that it may have as well
 };
 
-constexpr std::uint32_t bit(Member member) { return std::uint32_t{1} << member; }
+constexpr std::uint32_t bit(RequestMember member) { return std::uint32_t{1} << member; }
 
 Needs needs_of(Command command) {
   switch (command) {
     case Command::kChoose: return {bit(kScan), "\"scan\", a number from the list of scans"};
+    case Command::kOpen: return {bit(kFolder), "\"folder\", a number from the list of folders, or 0,"};
     case Command::kSet: return {bit(kKey) | bit(kValue), "\"key\" and \"value\""};
     case Command::kPicture:
       return {bit(kPicture), "\"picture\", preview, issues, coverage, layer, side, proposal or scan,",
-              bit(kPrint) | bit(kSide) | bit(kProposal) | bit(kScan)};
-    case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,"};
-    case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,", bit(kPrint)};
+              bit(kPrint) | bit(kSide) | bit(kProposal) | bit(kScan) | bit(kJob)};
+    case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,", bit(kJob)};
+    case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,", bit(kPrint) | bit(kJob)};
     case Command::kCode: return {bit(kCode), "\"code\", up to 7 digits,"};
     case Command::kRemove: return {bit(kName), "\"name\", that of \"stored\" in the state,"};
+    case Command::kFilled: return {0, "no other than \"ml\"", bit(kMl)};
     case Command::kUpload: return {bit(kName) | bit(kBytes), "\"name\" and \"bytes\""};
     case Command::kStart:
     case Command::kPause:
@@ -100,15 +108,15 @@ tl::unexpected<Error> wrong_value(std::string_view member, const char* allowed) 
 }
 
 /// Stores a member's value.
-Status store(Member member, const Value& value, ClientRequest& request, std::optional<std::uint64_t>& id) {
+Status store(RequestMember member, const Value& value, ClientRequest& request, std::optional<std::uint64_t>& id) {
   switch (member) {
     case kDo: {
       const auto command = value.kind == Value::Kind::kText ? command_of(value.text) : std::nullopt;
       if (!command) {
-        return wrong_value(
-            "do",
-            "start, pause, resume, cancel, plate-empty, seen, offer, choose, set, remove, propose, picture, mask, "
-            "report, code or upload");
+        return wrong_value("do",
+                           "start, pause, resume, cancel, plate-empty, seen, offer, choose, set, remove, propose, "
+                           "open, filled, picture, "
+                           "mask, report, code or upload");
       }
       request.command = *command;
       return {};
@@ -119,6 +127,12 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
       if (!number || *number == 0 || *number > PrinterRecord::kMostScans)
         return wrong_value("scan", "a number from 1 on");
       request.scan = static_cast<std::uint32_t>(*number);
+      return {};
+    }
+    case kFolder: {
+      const auto number = whole_number(value);
+      if (!number || *number > kMostListedFolders) return wrong_value("folder", "a number from 0 on");
+      request.folder = static_cast<std::uint32_t>(*number);
       return {};
     }
     case kKey:
@@ -166,6 +180,13 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
       request.which = static_cast<std::uint32_t>(*number);
       return {};
     }
+    case kFor:
+    case kJob: {
+      const auto id_named = value.kind == Value::Kind::kText ? id_of(value.text) : std::nullopt;
+      if (!id_named) return wrong_value(kMembers[member], "an id of the state, 16 hexadecimal digits");
+      (member == kFor ? request.about : request.job) = *id_named;
+      return {};
+    }
     case kName:
       request.name.add("%.*s", static_cast<int>(value.text.size()), value.text.data());
       if (value.kind != Value::Kind::kText || request.name.cut())
@@ -175,6 +196,13 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
       const auto number = whole_number(value);
       if (!number) return wrong_value("bytes", "a whole number, 0 to 2^53");
       request.bytes = *number;
+      return {};
+    }
+    case kMl: {
+      const auto number = to_number<double>(value.text);
+      if (value.kind != Value::Kind::kNumber || !number || !(*number >= 0))
+        return wrong_value("ml", "a number from 0 on");
+      request.ml = *number;
       return {};
     }
     case kCode:
@@ -194,7 +222,7 @@ Status check_members(const ClientRequest& request, const std::array<bool, kMembe
     return fail(ErrorCode::kBadSetting, "there is no \"do\".\tSay what to do, such as {\"do\": \"pause\"}");
   std::uint32_t others = 0;
   for (std::size_t member = kScan; member < kMembers.size(); ++member) {
-    if (found[member]) others |= bit(static_cast<Member>(member));
+    if (found[member]) others |= bit(static_cast<RequestMember>(member));
   }
   if (found[kSide] && request.picture != PictureName::kSide) {
     return fail(ErrorCode::kBadSetting, "\"side\" is for the picture \"side\" only");
@@ -205,7 +233,9 @@ Status check_members(const ClientRequest& request, const std::array<bool, kMembe
   if (found[kProposal] && request.picture != PictureName::kProposal) {
     return fail(ErrorCode::kBadSetting, "\"proposal\" is for the picture \"proposal\" only");
   }
-  const Needs needs = needs_of(request.command);
+  Needs needs = needs_of(request.command);
+  // Each command may say what it is meant for.
+  if (static_cast<std::size_t>(request.command) < kCommandCount) needs.allowed |= bit(kFor);
   if ((others & ~needs.allowed) == needs.members) return {};
   const auto word = to_string(request.command);
   return fail(ErrorCode::kBadSetting, "%.*s needs %s beside \"do\" and \"id\"", static_cast<int>(word.size()),
@@ -232,10 +262,10 @@ Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::
       if (known == kMembers.end()) {
         return fail(ErrorCode::kBadSetting,
                     "'%.*s': unknown member.\tKnown are do, id, scan, key, value, picture, layer, from, code, "
-                    "print, side, name, bytes and proposal",
+                    "print, side, name, bytes, proposal, folder, ml, for and job",
                     static_cast<int>(name->size()), name->data());
       }
-      const auto member = static_cast<Member>(known - kMembers.begin());
+      const auto member = static_cast<RequestMember>(known - kMembers.begin());
       if (std::exchange(found[member], true)) return wrong_value(*name, "one");
       PLUMBLINE_TRY(store(member, *value, request, id));
     } while (cursor.take(','));
@@ -251,11 +281,14 @@ Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t 
   json.begin_object(JsonWriter::Layout::kOneLine);
   json.member("do", to_string(request.command));
   json.member("id", id);
+  if (request.about != 0) json.member("for", id_text(request.about).view());
   if (request.command == Command::kChoose) json.member("scan", request.scan);
+  if (request.command == Command::kOpen) json.member("folder", request.folder);
   if (request.command == Command::kUpload || request.command == Command::kRemove) {
     json.member("name", request.name.view());
   }
   if (request.command == Command::kUpload) json.member("bytes", request.bytes);
+  if (request.ml) json.member("ml", *request.ml);
   if (request.command == Command::kSet) {
     json.member("key", request.key.view());
     json.member("value", request.value.view());

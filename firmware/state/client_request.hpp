@@ -6,7 +6,9 @@
 ///     {"do": "upload", "name": "bust.ply", "bytes": 480213}   {"do": "remove", "name": "bust.ply"}
 ///     {"do": "report", "print": 12, "from": 0}   {"do": "picture", "picture": "preview", "print": 12}
 ///     {"do": "picture", "picture": "side", "side": 3}   {"do": "picture", "picture": "proposal", "proposal": 1}   {"do": "propose"}
-///     {"do": "picture", "picture": "scan", "scan": 2}
+///     {"do": "picture", "picture": "scan", "scan": 2}   {"do": "open", "folder": 1}
+///     {"do": "filled"}   {"do": "filled", "ml": 120}
+///     {"do": "start", "for": "9f3c01d2a4b5e687"}   {"do": "mask", "layer": 12, "job": "1b0f..."}
 ///
 /// Takes nothing from the heap, whatever the line.
 
@@ -30,17 +32,21 @@ inline constexpr std::array<std::string_view, 7> kPictureWords = {"preview", "is
 
 struct ClientRequest {
   Command command = Command::kStart;
-  std::uint32_t scan = 0;  ///< of choose, and of picture if it is that of a scan: from 1
+  std::uint64_t about = 0;   ///< "for": the question or the job that a command is meant for; 0: it does not say
+  std::uint64_t job = 0;     ///< of picture, mask and report: whose it must be; 0: that of the job at hand
+  std::uint32_t scan = 0;    ///< of choose, and of picture if it is that of a scan: from 1
+  std::uint32_t folder = 0;  ///< of open: from 1; 0: the one above
   PictureName picture = PictureName::kPreview;
-  std::uint32_t which = 0;  ///< of picture, if it is that of a side or of a proposal: from 0
-  std::uint32_t layer = 0;  ///< of mask: from 0
-  std::uint64_t from = 0;   ///< of report: the first byte
-  std::uint32_t print = 0;  ///< of report and picture: a print that is kept, from 1; 0: the last one, the job at hand
-  FixedText<80> name;       ///< of upload and remove: as it was sent, so anything
-  std::uint64_t bytes = 0;  ///< of upload: that will come
-  FixedText<8> code;        ///< of code: digits; empty: show none any more
-  FixedText<32> key;        ///< of set
-  FixedText<64> value;      ///< of set: a text, or a number, true or false as it is written
+  std::uint32_t which = 0;   ///< of picture, if it is that of a side or of a proposal: from 0
+  std::uint32_t layer = 0;   ///< of mask: from 0
+  std::uint64_t from = 0;    ///< of report: the first byte
+  std::uint32_t print = 0;   ///< of report and picture: a print that is kept, from 1; 0: the last one, the job at hand
+  FixedText<80> name;        ///< of upload and remove: as it was sent, so anything
+  std::uint64_t bytes = 0;   ///< of upload: that will come
+  std::optional<double> ml;  ///< of filled: resin in the tank, 0 or more; none: it is full
+  FixedText<8> code;         ///< of code: digits; empty: show none any more
+  FixedText<32> key;         ///< of set
+  FixedText<64> value;       ///< of set: a text, or a number, true or false as it is written
 };
 
 /// The longest request line, bytes, without its end.

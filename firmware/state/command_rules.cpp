@@ -10,11 +10,13 @@ namespace {
 /// A state at rest must also wait for an answer: else the command would be lost.
 bool takes_in(PrintState state, Command command) {
   if (command == Command::kRemove) return at_rest(state);
+  // Not while a layer is printed: writing it down could make a mask late.
+  if (command == Command::kFilled) return at_rest(state) || waits_for_start(state);
   switch (state) {
     case PrintState::kIdle: return command == Command::kOffer;
     case PrintState::kOffered:
       return command == Command::kStart || command == Command::kCancel || command == Command::kChoose ||
-             command == Command::kSet || command == Command::kPropose;
+             command == Command::kSet || command == Command::kPropose || command == Command::kOpen;
     case PrintState::kInterrupted: return command == Command::kResume || command == Command::kCancel;
     case PrintState::kPlateInUse: return command == Command::kPlateEmpty;
     case PrintState::kFault: return command == Command::kSeen;
@@ -52,11 +54,13 @@ std::string_view to_string(Command command) {
     case Command::kSet: return "set";
     case Command::kRemove: return "remove";
     case Command::kPropose: return "propose";
+    case Command::kOpen: return "open";
     case Command::kPicture: return "picture";
     case Command::kMask: return "mask";
     case Command::kReport: return "report";
     case Command::kCode: return "code";
     case Command::kUpload: return "upload";
+    case Command::kFilled: return "filled";
   }
   return "unknown command";
 }
@@ -73,12 +77,29 @@ bool takes(const PrinterRecord& record, Command command) {
   if (at_rest(record.state) && !record.waits) return false;
   if (command == Command::kOffer && !record.has_stick && !record.stored) return false;
   if (command == Command::kRemove && !record.stored) return false;
+  if (command == Command::kFilled && record.machine == nullptr) return false;
   if (command == Command::kChoose && (record.has_job_file || record.scan_count < 2)) return false;
+  const bool has_folders = record.folder_count > 0 || !record.folder.view().empty();
+  if (command == Command::kOpen && (record.has_job_file || record.sliced || !has_folders)) return false;
+  if (command == Command::kPause && record.note == PrintNote::kPauseTaken) return false;
+  if (command == Command::kChoose && record.sliced) return false;
   // An archive stands as it was sliced.
   if (command == Command::kPropose && (record.sliced || !record.job || is_archive_name(record.job->files[0].view()))) {
     return false;
   }
   return takes_in(record.state, command);
+}
+
+bool is_meant(const PrinterRecord& record, Command command, std::uint64_t about) {
+  if (about == 0 || about == record.question_id()) return true;
+  return about == record.job_id && (command == Command::kPause || command == Command::kCancel ||
+                                    command == Command::kSet || command == Command::kPropose);
+}
+
+bool answers_question(const PrinterRecord& record, Command command) {
+  if (record.question_id() == 0) return false;
+  if (command == Command::kCancel) return at_rest(record.state);  // a print can be ended at any time
+  return command != Command::kPause && button_of(command).has_value();
 }
 
 bool takes_upload(const PrinterRecord& record) {
@@ -114,11 +135,13 @@ std::optional<EventKind> button_of(Command command) {
     case Command::kSet:
     case Command::kRemove:
     case Command::kPropose:
+    case Command::kOpen:
     case Command::kPicture:
     case Command::kMask:
     case Command::kReport:
     case Command::kCode:
-    case Command::kUpload: return std::nullopt;
+    case Command::kUpload:
+    case Command::kFilled: return std::nullopt;
   }
   return std::nullopt;
 }

@@ -24,16 +24,18 @@ enum class Command : std::uint8_t {
   kSet,         ///< a setting of the job that is offered
   kRemove,      ///< the uploaded scan, out of the printer's store
   kPropose,     ///< look for the best ways up of the scan that is offered
+  kOpen,        ///< list a folder of the stick
   // The others are in no state's list of commands.
   kPicture,  ///< a picture of the job. Whoever may read may ask for it, as for the next two
   kMask,     ///< the mask of any layer, while what has been sliced is offered
   kReport,   ///< a part of the last print's report
   kCode,     ///< show a code on the printer's screen
   kUpload,   ///< take a scan, whose bytes come through a socket that is handed over
+  kFilled,   ///< somebody has filled the tank
 };
 /// Those that a state's list of commands may have.
-inline constexpr std::size_t kCommandCount = 11;
-inline constexpr std::size_t kRequestCount = 16;
+inline constexpr std::size_t kCommandCount = 12;
+inline constexpr std::size_t kRequestCount = 18;
 
 /// Whether a request changes nothing.
 constexpr bool is_question(Command command) {
@@ -47,13 +49,22 @@ std::optional<Command> command_of(std::string_view word);
 /// Whether the printer takes a command now. Of kUpload the daemon says itself why not: takes_upload() is not all of it.
 bool takes(const PrinterRecord& record, Command command);
 
+/// Whether a command is meant for what is at hand: it does not say what for, or it names the question that is put, or the job, as pause,
+/// cancel, set and propose may.
+/// @param about  of RandomIds; 0: it does not say
+bool is_meant(const PrinterRecord& record, Command command, std::uint64_t about);
+
+/// Whether a command answers the question at hand as a button would, so that it must say which question, or come when a person can have
+/// read it.
+bool answers_question(const PrinterRecord& record, Command command);
+
 /// Whether a scan may be uploaded now: the printer is at rest, so writing to its storage makes no mask late, and no other scan is coming.
 bool takes_upload(const PrinterRecord& record);
 
 /// "the printer is printing: it takes pause, cancel"
 FixedText<200> what_it_takes(const PrinterRecord& record);
 
-/// The button that does the same; none: the daemon does it itself (choose, set, remove, propose, code, upload).
+/// The button that does the same; none: the daemon does it itself (choose, set, remove, propose, filled, code, upload).
 /// @pre takes()
 std::optional<EventKind> button_of(Command command);
 

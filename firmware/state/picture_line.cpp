@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "firmware/io/random_id.hpp"
 #include "firmware/io/text/base64.hpp"
 
 namespace plumbline {
@@ -45,6 +46,11 @@ std::optional<DrawnPicture> drawn_picture(const JobPictures& pictures, PictureNa
   return drawn_one(pictures.layer(), pictures.layer_number);
 }
 
+/// A scan of the list is of no job.
+void add_job(FixedText<120>& members, std::uint64_t job) {
+  if (job != 0) members.add(", \"job\": \"%s\"", id_text(job).c_str());
+}
+
 Error too_large(std::size_t bytes) {
   return Error::format(ErrorCode::kCannotWrite, "the picture has %zu bytes, more than a line holds", bytes);
 }
@@ -85,11 +91,12 @@ Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, Pictur
     encoded.number = number;
     encoded.which = which;
   }
-  FixedText<64> members;
+  FixedText<120> members;
   members.add("\"picture\": \"%.*s\", \"number\": %u", static_cast<int>(word.size()), word.data(), number);
   if (name == PictureName::kSide) members.add(", \"side\": %u", which);
   if (name == PictureName::kScan) members.add(", \"scan\": %u", which + 1);
   if (name == PictureName::kProposal) members.add(", \"proposal\": %u", which);
+  if (name != PictureName::kScan) add_job(members, record.job_id);
   return write_data_line(out, id, members.view(), "png", {encoded.base64.data(), encoded.size});
 }
 
@@ -105,12 +112,13 @@ Status PictureLine::write_kept(TextSink& out, std::optional<std::uint64_t> id, c
   return write_data_line(out, id, members.view(), "png", {mask_base64_.data(), *size});
 }
 
-Status PictureLine::write_mask(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t layer) {
+Status PictureLine::write_mask(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t layer, std::uint64_t job) {
   const auto png = encoder_.encode(mask_->bytes(), mask_->columns, mask_->rows, LayerPicture::kChannels);
   const auto size = write_base64(png, mask_base64_);
   if (!size) return tl::unexpected<Error>(too_large(png.size()));
-  FixedText<64> members;
+  FixedText<120> members;
   members.add("\"layer\": %u", layer);
+  add_job(members, job);
   return write_data_line(out, id, members.view(), "png", {mask_base64_.data(), *size});
 }
 

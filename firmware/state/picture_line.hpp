@@ -30,8 +30,10 @@ class PictureLine {
   /// Room for the picture of a mask that somebody asks for.
   LayerPicture& mask() { return *mask_; }
   /// @param layer  of mask()
+  /// @param job    PrinterRecord::job_id
   /// @retval ErrorCode::kCannotWrite  it is too large for a line
-  [[nodiscard]] Status write_mask(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t layer);
+  [[nodiscard]] Status write_mask(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t layer,
+                                  std::uint64_t job);
 
   /// The preview of a print that is kept.
   /// @retval ErrorCode::kBadSetting   no such print is kept, or it has none

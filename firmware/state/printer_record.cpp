@@ -12,6 +12,7 @@ void PrinterRecord::begin_job() {
   progress.reset();
   resin.reset();
   result.reset();
+  note = PrintNote::kNone;
   fault.reset();
   checks = {};
   finding_count = 0;
@@ -33,7 +34,13 @@ void PrinterRecord::add_finding(Severity severity, std::string_view text, const 
   finding.told = told;
 }
 
-void PrinterRecord::set_progress(const PrintStatus& status, std::int64_t wall_clock_s) {
+void PrinterRecord::remove_findings(ToldCode which) {
+  auto* const end = std::remove_if(findings.begin(), findings.begin() + finding_count,
+                                   [which](const FindingRecord& finding) { return finding.told.code == which; });
+  finding_count = static_cast<std::size_t>(end - findings.begin());
+}
+
+void PrinterRecord::set_progress(const PrintStatus& status, std::int64_t clock_s) {
   using std::chrono::duration_cast;
   using std::chrono::seconds;
   ProgressRecord now;
@@ -42,11 +49,13 @@ void PrinterRecord::set_progress(const PrintStatus& status, std::int64_t wall_cl
   now.height_mm = status.height.above_film().millimetres();
   now.elapsed = duration_cast<seconds>(status.elapsed);
   now.left = duration_cast<seconds>(status.remaining);
-  if (!is_pause(status.state) && !at_rest(status.state)) now.ends_at = wall_clock_s + now.left.count();
+  const bool ends = clock_s != 0 && !is_pause(status.state) && !at_rest(status.state);
+  if (ends) now.ends_at = clock_s + now.left.count();
   now.slack = status.slack;
   now.resin_ml = status.resin_ml;
   progress = now;
   state = status.state;
+  note = status.note;
   assign(question, status.question);
   question_told = status.question_told;
 }

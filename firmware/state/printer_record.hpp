@@ -10,13 +10,16 @@
 
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/pictures/job_pictures.hpp"
+#include "firmware/print/contract/contract.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/print/status/print_observer.hpp"
 #include "firmware/print/status/print_report.hpp"
 #include "firmware/print/status/print_state.hpp"
 #include "firmware/print/store/kept_prints.hpp"
+#include "firmware/print/store/machine_record.hpp"
 #include "firmware/settings/job_settings.hpp"
 #include "firmware/slice/orientation_proposals.hpp"
+#include "hal/clock.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/core/words/told.hpp"
@@ -41,6 +44,23 @@ struct ScanRecord {
 };
 
 inline constexpr std::size_t kMostListedScans = 64;
+inline constexpr std::size_t kMostListedFolders = 32;
+
+/// A folder of the stick that can be opened.
+struct FolderRecord {
+  FixedText<80> name;         ///< in the folder that is listed, as it is shown: a longer one is cut
+  std::uint32_t entries = 0;  ///< scans, meshes and prints in it and in the folders below it
+};
+
+/// What the stick has beside the list, and nobody can choose.
+struct LeftOutRecord {
+  std::size_t files = 0;
+  std::size_t folders = 0;     ///< that were not looked into to the end, or are not listed
+  std::size_t partitions = 0;  ///< that can't be read
+  FixedText<120> text;         ///< empty: there is nothing
+  Told told;
+};
+
 using ScanPictures = std::array<ScanPicture, kMostListedScans>;
 
 /// What is offered or printed, and how.
@@ -59,23 +79,14 @@ struct SlicingRecord {
   bool proposes = false;  ///< only the best ways up are looked for
 };
 
-/// What would be printed, as it was sliced.
-struct SlicedRecord {
-  double width_mm = 0, depth_mm = 0;  ///< of the object
-  double height_mm = 0;               ///< of the print, with what holds it up
-  double layer_height_mm = 0;
-  std::uint32_t layers = 0;
-  double resin_ml = 0;
-  std::chrono::seconds time{};  ///< that the print takes
-};
-
 struct ProgressRecord {
   std::uint32_t layers_done = 0;
   std::uint32_t layers = 0;
   double height_mm = 0;
   std::chrono::seconds elapsed{};
   std::chrono::seconds left{};
-  std::int64_t ends_at = 0;  ///< s since 1970, by this machine's wall clock; 0: unknown, for the print waits
+  std::int64_t ends_at =
+      0;  ///< s since 1970, by this machine's wall clock; 0: the print waits, or the clock is not set
   std::optional<nanoseconds> slack;
   double resin_ml = 0;
 };
@@ -90,7 +101,7 @@ enum class Severity : std::uint8_t { kNote, kWarning };
 /// Something that whoever prints should know before or afterwards.
 struct FindingRecord {
   Severity severity = Severity::kNote;
-  FixedText<160> text;
+  Sentence text;
   Told told;
 };
 
@@ -133,26 +144,33 @@ struct PrinterRecord {
   bool simulated = false;
 
   PrintState state = PrintState::kIdle;
-  bool waits = false;       ///< somebody at rest waits for a person's answer
-  FixedText<400> message;   ///< what the daemon said last
-  Told message_told;        ///< empty: it says no more than the state does
-  FixedText<160> question;  ///< that start or cancel answers while a print is paused; empty: none
+  bool waits = false;                 ///< somebody at rest waits for a person's answer
+  std::uint64_t asks = 0;             ///< random, of the question that is put: new with each. See question_id()
+  TimePoint asked_at;                 ///< when, by the machine's clock
+  FixedText<512> message;             ///< what the daemon said last
+  Told message_told;                  ///< empty: it says no more than the state does
+  PrintNote note = PrintNote::kNone;  ///< of the print that runs
+  FixedText<160> question;            ///< that start or cancel answers while a print is paused; empty: none
   Told question_told;
   bool has_stick = false;
   bool scans_uploaded = false;  ///< `scans` are in the printer's store, not on a stick
   std::array<ScanRecord, kMostScans> scans;
   std::size_t scan_count = 0;
-  std::size_t scans_left_out = 0;       ///< beyond the room for them
+  FixedText<80> folder;  ///< that is listed, as it is shown; empty: the stick's top folder
+  std::array<FolderRecord, kMostListedFolders> folders;
+  std::size_t folder_count = 0;
+  LeftOutRecord left_out;
   std::uint64_t most_upload_bytes = 0;  ///< of a scan; 0: none is taken
   std::optional<UploadRecord> upload;
-  std::optional<StoredRecord> stored;                 ///< none: the store is empty
-  bool has_job_file = false;                          ///< job.toml says what is printed
-  std::optional<JobRecord> job;                       ///< offered, printing, or the last one
+  std::optional<StoredRecord> stored;  ///< none: the store is empty
+  bool has_job_file = false;           ///< job.toml says what is printed
+  std::uint64_t job_id = 0;            ///< random, of `job`: new with each offer. Pictures and reports carry it
+  std::optional<JobRecord> job;        ///< offered, printing, or the last one
   std::array<FixedText<64>, kMostProfiles> profiles;  ///< names, for a job's setting `profile`
   std::size_t profile_count = 0;
   std::optional<Proposals> proposals;  ///< ways up of the job's scan, to choose from
   std::optional<SlicingRecord> slicing;
-  std::optional<SlicedRecord> sliced;  ///< from the end of slicing on
+  std::optional<Contract> sliced;  ///< what will be done, from the end of slicing on
   std::optional<ProgressRecord> progress;
   std::optional<ResinRecord> resin;
   std::optional<PrintState> result;  ///< how the last print ended
@@ -163,16 +181,27 @@ struct PrinterRecord {
   const ScanPictures* scan_pictures = nullptr;  ///< of `scans`; none: nobody makes them
   const JobPictures* pictures = nullptr;        ///< none: nobody makes them
   bool has_masks = false;                       ///< the mask of any layer may be asked for
-  bool has_report = false;             ///< that of the last print may be asked for, when the printer is at rest
-  const KeptPrints* prints = nullptr;  ///< reports and previews of the last prints; none: nobody keeps them
-  FixedText<8> code;                   ///< that the screen shows to pair a browser; empty: none. Never in a state line
+  bool has_report = false;                 ///< that of the last print may be asked for, when the printer is at rest
+  const MachineRecord* machine = nullptr;  ///< what the printer remembers; none: nothing
+  const KeptPrints* prints = nullptr;      ///< reports and previews of the last prints; none: nobody keeps them
+  FixedText<8> code;  ///< that the screen shows to pair a browser; empty: none. Never in a state line
 
+  /// What an answer answers now; 0: nobody is asked.
+  std::uint64_t question_id() const { return (at_rest(state) && waits) || waits_for_start(state) ? asks : 0; }
+  /// A person is asked.
+  /// @param id  of RandomIds
+  void ask(std::uint64_t id, TimePoint now) {
+    asks = id;
+    asked_at = now;
+  }
   /// Forgets the job of before.
   void begin_job();
   /// The index of the proposal that the job follows; none: there are none, or it follows none of them.
   std::optional<std::size_t> proposal() const;
   void add_finding(Severity severity, std::string_view text, const Told& told = {});
-  void set_progress(const PrintStatus& status, std::int64_t wall_clock_s);
+  void remove_findings(ToldCode which);
+  /// @param clock_s  as wall_clock_s()
+  void set_progress(const PrintStatus& status, std::int64_t clock_s);
   void set_fault(FaultCode which, std::string_view finding, std::string_view remedy, const Told& told = {});
 };
 

@@ -1,5 +1,6 @@
 #include "firmware/state/state_client.hpp"
 
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -9,6 +10,11 @@
 #include <utility>
 
 namespace plumbline {
+
+bool StateClient::has_gone(const Descriptor& socket) {
+  pollfd file{.fd = socket.get(), .events = 0, .revents = 0};
+  return ::poll(&file, 1, 0) > 0 && (static_cast<unsigned>(file.revents) & static_cast<unsigned>(POLLHUP)) != 0;
+}
 
 void StateClient::open(Descriptor socket, bool may_hand_over) {
   socket_ = std::move(socket);

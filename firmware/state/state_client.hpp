@@ -20,7 +20,11 @@ class StateClient {
  public:
   using HostClock = std::chrono::steady_clock;
 
+  /// Whether whoever was at the other end of a socket has closed it, and so gets no answer. An end that is only shut down for sending has not.
+  static bool has_gone(const Descriptor& socket);
+
   bool is_open() const { return socket_.is_open(); }
+  bool has_gone() const { return has_gone(socket_); }
   /// @param may_hand_over  descriptors that come with its bytes are taken: see handed_over()
   void open(Descriptor socket, bool may_hand_over = false);
   void drop();

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "firmware/io/random_id.hpp"
 #include "firmware/io/text/json_writer.hpp"
 #include "firmware/io/version.hpp"
 #include "firmware/state/command_rules.hpp"
@@ -32,20 +33,8 @@ void text_or_null(JsonWriter& json, std::string_view name, std::string_view text
   json.member(name, only_if(!text.empty(), text));
 }
 
-/// {"code": "island", "values": {"count": 3, ...}, "name": ...}; null if it has no code.
-void write_told(JsonWriter& json, std::string_view name, const Told& told) {
-  json.key(name);
-  if (told.empty()) return json.null();
-  json.begin_object(kOneLine);
-  json.member("code", to_string(told.code));
-  json.key("values");
-  json.begin_object(kOneLine);
-  for (std::size_t i = 0; i < told.count; ++i) {
-    json.member(format_of(told.facts[i]).name, thousandths(told.values[i]));
-  }
-  json.end_object();
-  if (!told.name().empty()) json.member("name", told.name());
-  json.end_object();
+void id_or_null(JsonWriter& json, std::string_view name, std::uint64_t id) {
+  json.member(name, only_if(id != 0, id_text(id).view()));
 }
 
 /// "2026-11-25T22:10:05Z"; null for 0.
@@ -64,6 +53,7 @@ void write_stick(JsonWriter& json, const PrinterRecord& record) {
   json.begin_object(kOneLine);
   json.member("present", record.has_stick);
   json.member("job_file", record.has_job_file);
+  text_or_null(json, "folder", record.folder.view());
   json.key("scans");
   json.begin_array(kOneLine);
   for (std::size_t i = 0; i < record.scan_count; ++i) {
@@ -79,7 +69,22 @@ void write_stick(JsonWriter& json, const PrinterRecord& record) {
     json.end_object();
   }
   json.end_array();
-  json.member("left_out", static_cast<std::uint64_t>(record.scans_left_out));
+  json.key("folders");
+  json.begin_array(kOneLine);
+  for (std::size_t i = 0; i < record.folder_count; ++i) {
+    json.begin_object(kOneLine);
+    json.member("number", static_cast<std::uint32_t>(i + 1));
+    json.member("name", record.folders[i].name.view());
+    json.member("entries", record.folders[i].entries);
+    json.end_object();
+  }
+  json.end_array();
+  const LeftOutRecord& left_out = record.left_out;
+  json.member("left_out", static_cast<std::uint64_t>(left_out.files));
+  json.member("folders_left_out", static_cast<std::uint64_t>(left_out.folders));
+  json.member("partitions_left_out", static_cast<std::uint64_t>(left_out.partitions));
+  text_or_null(json, "not_listed", left_out.text.view());
+  write_told(json, "not_listed_told", left_out.told);
   json.member("uploaded", record.scans_uploaded);
   json.end_object();
 }
@@ -128,6 +133,7 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   if (!record.job) return json.null();
   const JobRecord& job = *record.job;
   json.begin_object(kOneLine);
+  id_or_null(json, "id", record.job_id);
   json.member("scan", job.scan.view());
   json.key("files");
   json.begin_array(kOneLine);
@@ -163,6 +169,12 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.member("as", to_string(job.as));
   json.member("base", word_of(job.base));
   json.member("keep_all", job.keep_all);
+  json.key("values");
+  json.begin_object(kOneLine);
+  for (const PrintField& field : kPrintFields) {
+    if (const auto value = job.values[index_of(field.key)]) json.member(field.name, *value);
+  }
+  json.end_object();
   json.member("result", mapped(record.result, [](PrintState state) { return to_string(state); }));
   json.end_object();
 }
@@ -193,15 +205,25 @@ void write_profiles(JsonWriter& json, const PrinterRecord& record) {
 
 void write_sliced(JsonWriter& json, const PrinterRecord& record) {
   if (!record.sliced) return json.null();
-  const SlicedRecord& sliced = *record.sliced;
+  const Contract& sliced = *record.sliced;
   json.begin_object(kOneLine);
   json.member("width_mm", thousandths(sliced.width_mm));
   json.member("depth_mm", thousandths(sliced.depth_mm));
   json.member("height_mm", thousandths(sliced.height_mm));
-  json.member("layer_height_mm", thousandths(sliced.layer_height_mm));
-  json.member("layers", sliced.layers);
+  json.member("layer_height_mm", thousandths(sliced.plan.layer_height.millimetres()));
+  json.member("layers", sliced.plan.layers);
   json.member("resin_ml", thousandths(sliced.resin_ml));
   json.member("time_s", static_cast<std::uint64_t>(sliced.time.count()));
+  json.key("rotation_deg");
+  json.begin_array(kOneLine);
+  for (const double degrees : sliced.rotation_deg) json.value(degrees);
+  json.end_array();
+  json.member("best_way_up", sliced.best_way_up);
+  json.member("points_off_percent", thousandths(100 * sliced.proof.share_off()));
+  json.member("grey_percent", thousandths(100 * sliced.grey));
+  json.member("grey_lost_percent", thousandths(100 * sliced.grey_lost));
+  json.key("values");
+  write_contract_values(json, sliced);
   json.end_object();
 }
 
@@ -275,6 +297,34 @@ void write_resin(JsonWriter& json, const PrinterRecord& record) {
   json.end_object();
 }
 
+void write_machine(JsonWriter& json, const PrinterRecord& record) {
+  if (record.machine == nullptr) return json.null();
+  const MachineRecord& machine = *record.machine;
+  const auto left = machine.resin_ml();
+  json.begin_object(kOneLine);
+  json.member("resin_ml", mapped(left, thousandths));
+  json.member("filled_ml", only_if(left.has_value(), thousandths(machine.filled_ml())));
+  json.member("tank_ml", thousandths(machine.tank_ml()));
+  json.member("lamp_h", thousandths(std::chrono::duration<double, std::ratio<3600>>(machine.lamp_lit()).count()));
+  json.member("film_layers", machine.film_layers());
+  json.key("hottest_c");
+  json.begin_object(kOneLine);
+  for (std::size_t i = 0; i < kTemperatureSiteCount; ++i) {
+    const auto site = static_cast<TemperatureSite>(i);
+    json.member(to_string(site), mapped(machine.hottest(site), [](Celsius c) { return thousandths(c.value()); }));
+  }
+  json.end_object();
+  json.key("unseen_faults");
+  json.begin_array(kOneLine);
+  for (std::size_t i = 0; i < machine.fault_count(); ++i) {
+    FixedText<16> code;
+    code.add("PL-%u", static_cast<unsigned>(machine.fault(i).code));
+    json.value(code.view());
+  }
+  json.end_array();
+  json.end_object();
+}
+
 void write_checks(JsonWriter& json, const PrinterRecord& record) {
   json.begin_array(kOneLine);
   for (std::size_t i = 0; i < kCheckCount; ++i) {
@@ -320,6 +370,21 @@ void write_fault(JsonWriter& json, const PrinterRecord& record) {
 
 }  // namespace
 
+void write_told(JsonWriter& json, std::string_view name, const Told& told) {
+  json.key(name);
+  if (told.empty()) return json.null();
+  json.begin_object(kOneLine);
+  json.member("code", to_string(told.code));
+  json.key("values");
+  json.begin_object(kOneLine);
+  for (std::size_t i = 0; i < told.count; ++i) {
+    json.member(format_of(told.facts[i]).name, thousandths(told.values[i]));
+  }
+  json.end_object();
+  if (!told.name().empty()) json.member("name", told.name());
+  json.end_object();
+}
+
 Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_t sequence) {
   JsonWriter json(out);
   json.begin_object(kOneLine);
@@ -334,6 +399,7 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   write_told(json, "message_told", record.message_told);
   text_or_null(json, "question", record.question.view());
   write_told(json, "question_told", record.question_told);
+  id_or_null(json, "asks", record.question_id());
   json.key("commands");
   json.begin_array(kOneLine);
   for (std::size_t i = 0; i < kCommandCount; ++i) {
@@ -367,6 +433,8 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   write_progress(json, record);
   json.key("resin");
   write_resin(json, record);
+  json.key("machine");
+  write_machine(json, record);
   json.key("checks");
   write_checks(json, record);
   json.key("findings");
@@ -396,7 +464,7 @@ Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Er
 
 Status write_data_line(TextSink& out, std::optional<std::uint64_t> id, std::string_view members, std::string_view name,
                        std::string_view base64) {
-  FixedText<160> head;
+  FixedText<200> head;
   head.add("{\"type\": \"reply\", \"id\": ");
   if (id) {
     head.add("%llu", static_cast<unsigned long long>(*id));

@@ -12,12 +12,17 @@
 
 namespace plumbline {
 
+class JsonWriter;
+
 /// Rises when a client of before would misread what is sent now. New members don't raise it.
 inline constexpr std::uint32_t kStateProtocol = 1;
 
 /// Longer than any line: a test writes the longest one.
-inline constexpr std::size_t kLongestLine = std::size_t{96} * 1024;
+inline constexpr std::size_t kLongestLine = std::size_t{128} * 1024;
 using StateLine = TextBuffer<kLongestLine>;
+
+/// Writes what is told as a member: {"code": "island", "values": {"count": 3, ...}, "name": ...}; null if it has no code.
+void write_told(JsonWriter& json, std::string_view name, const Told& told);
 
 /// @param sequence  rises with each line that differs from the one before
 /// @retval ErrorCode::kCannotWrite  `out` is full

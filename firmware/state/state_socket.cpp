@@ -95,6 +95,7 @@ void StateSocket::let_in(Door& door) {
   for (int i = 0; i < kBacklog; ++i) {
     Descriptor socket(::accept4(door.listener.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
     if (!socket.is_open()) return;
+    if (StateClient::has_gone(socket)) continue;  // it takes no place
     static_cast<void>(::setsockopt(socket.get(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof kSendBuffer));
     auto* const client = std::find_if_not(door.clients.data(), door.clients.data() + door.clients.size(),
                                           [](const StateClient& one) { return one.is_open(); });
@@ -128,6 +129,8 @@ void StateSocket::serve_client(StateClient& client, const Door& door, const Prin
     }
     return;
   }
+  // Nobody has heard that it was taken, and whoever has waited in vain may have done otherwise meanwhile.
+  if (client.has_gone()) return client.drop();
   std::optional<std::uint64_t> id;
   std::optional<Error> error;
   const auto request = parse_request(*line, id);
@@ -147,6 +150,12 @@ void StateSocket::serve_client(StateClient& client, const Door& door, const Prin
   } else if (!door.may_command) {
     error = Error::format(ErrorCode::kBadSetting,
                           "this socket is for reading.\tConnect to the one beside it whose name ends in .command");
+  } else if (!is_meant(record, request->command, request->about)) {
+    error = Error::format(
+                ErrorCode::kBadSetting,
+                "that is for another question or job than the one at hand, so nothing was done.\tLook at what the "
+                "printer asks now")
+                .tell(PrinterCode::kAnswerStale);
   } else if (request->command == Command::kUpload) {
     const auto number = taker.take_upload(*request, client.handed_over());
     if (number) {
@@ -175,6 +184,12 @@ void StateSocket::answer(StateClient& client, std::optional<std::uint64_t> id, c
 /// @returns false: there is no answer yet
 Expected<bool> StateSocket::write_answer(std::optional<std::uint64_t> id, const ClientRequest& question,
                                          const PrinterRecord& record, CommandTaker& taker) {
+  if (question.job != 0 && question.job != record.job_id) {
+    return telling(Told(PrinterCode::kJobStale),
+                   fail(ErrorCode::kBadSetting,
+                        "that is of another job than the one at hand.\tThe state's \"job\" has "
+                        "the id of that"));
+  }
   if (question.print > 0) {
     PLUMBLINE_TRY(write_kept(id, question, record));
   } else if (question.command == Command::kPicture) {
@@ -184,7 +199,7 @@ Expected<bool> StateSocket::write_answer(std::optional<std::uint64_t> id, const 
     const auto drawn = taker.draw_mask(question.layer, pictures_.mask());
     PLUMBLINE_TRY(drawn);
     if (!*drawn) return false;
-    PLUMBLINE_TRY(pictures_.write_mask(reply_, id, question.layer));
+    PLUMBLINE_TRY(pictures_.write_mask(reply_, id, question.layer, record.job_id));
   } else if (!record.has_report || !at_rest(record.state)) {
     return fail(ErrorCode::kBadSetting, "there is no report now.\tAsk again when the print is over");
   } else {

@@ -79,7 +79,7 @@ class StateSocket {
 
   /// Readers can't take the places of those who may command.
   static constexpr std::size_t kReaders = 8;
-  static constexpr std::size_t kCommanders = 4;
+  static constexpr std::size_t kCommanders = 5;  ///< the page takes two
 
   /// Takes all its memory here. The object is large.
   /// @retval ErrorCode::kCannotOpen  the path, the reason; or another daemon serves there

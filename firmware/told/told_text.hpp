@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-using ToldText = FixedText<400>;
+using ToldText = FixedText<512>;
 /// Fills a message's values into a text of the table, formatted as the language does.
 ToldText filled_in(std::string_view pattern, const Told& told, Language language);
 

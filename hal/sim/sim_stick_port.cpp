@@ -33,23 +33,32 @@ Expected<StickIdentity> SimStickPort::do_identity() const {
   return identity;
 }
 
-Expected<int> SimStickPort::do_mount() {
+Expected<StickParts> SimStickPort::do_mount() {
   if (!do_has_stick()) return none();
   const auto& folder = plant_.stick();
   if (plant_.has_fault(FaultKind::kStickMountFails)) {
     return fail(ErrorCode::kMountFailed, "the stick's file system can't be read:\tformat it as FAT32 or exFAT");
   }
-  const int top = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (top < 0) return fail(ErrorCode::kMountFailed, "%s: %s", folder.c_str(), std::strerror(errno));
+  StickParts parts;
+  for (std::size_t number = 1; number <= StickParts::kMost; ++number) {
+    const std::string part = number == 1 ? folder : folder + "." + std::to_string(number);
+    const int top = ::open(part.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (top < 0 && number > 1) break;
+    if (top < 0) return fail(ErrorCode::kMountFailed, "%s: %s", folder.c_str(), std::strerror(errno));
+    parts.folders[parts.count++] = top;
+  }
   mounted_stick_ = plant_.sticks_plugged();
-  return top;
+  return parts;
 }
 
 Expected<bool> SimStickPort::do_store(const StickReport& report) {
-  const auto top = do_mount();
-  PLUMBLINE_TRY(top);
-  const int reason = copy_report(*top, report.name, report.file, report.from, report.bytes);
-  ::close(*top);
+  auto parts = do_mount();
+  PLUMBLINE_TRY(parts);
+  int reason = ENOENT;
+  for (std::size_t i = 0; i < parts->count && reason == ENOENT; ++i) {
+    reason = copy_report(parts->folders[i], report.name, report.file, report.from, report.bytes);
+  }
+  parts->close();
   if (reason == EEXIST) return false;
   if (reason != 0) return not_stored(reason);
   return true;

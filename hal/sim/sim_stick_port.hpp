@@ -5,7 +5,7 @@
 
 namespace plumbline {
 
-/// A folder that plays a stick.
+/// A folder that plays a stick. If its path is "stick", folders "stick.2", "stick.3", ... beside it play further partitions.
 class SimStickPort final : public StickPort {
  public:
   SimStickPort(Plant& plant, Interlock& interlock) : StickPort(interlock), plant_(plant) {}
@@ -13,7 +13,7 @@ class SimStickPort final : public StickPort {
  private:
   bool do_has_stick() const override;
   Expected<StickIdentity> do_identity() const override;
-  Expected<int> do_mount() override;
+  Expected<StickParts> do_mount() override;
   Expected<bool> do_store(const StickReport& report) override;
   Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) override;
   Status do_check_mounted() const override;

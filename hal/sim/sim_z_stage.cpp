@@ -9,11 +9,8 @@ namespace plumbline {
 namespace {
 
 // As on a board: hal/linux/stage/z_stage.cpp.
-constexpr Distance kBackOff = 2_mm;
 constexpr Distance kRelease = 1_mm;
 constexpr Distance kOvertravel = 2_mm;
-constexpr Speed kApproachSpeed(5);
-constexpr Speed kFindSpeed(0.5);
 
 }  // namespace
 

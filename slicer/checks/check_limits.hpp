@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "slicer/core/resin/peel_force.hpp"
+#include "slicer/placement/placement.hpp"
 
 namespace plumbline {
 
@@ -22,11 +23,11 @@ struct CheckLimits {
   std::uint32_t trap_pixels = 17;
   /// A hollow that is no higher is none: the light of the layer that closes it cures the resin in it. 0: all are traps, as in UVtools.
   double cured_gap_mm = 0;
-  std::uint32_t suction_pixels = 100;  ///< RequiredAreaToConsiderSuctionCup; 10000 in the window
-  double suction_height_mm = 0.5;      ///< RequiredHeightToConsiderSuctionCup
-  std::uint32_t bound_margin = 5;      ///< pixels: MarginLeft and its like
-  bool has_panel = false;              ///< the grid is a panel, so its edge is one
-  double travel_mm = 0;                ///< of the Z stage; 0: unknown
+  std::uint32_t suction_pixels = 100;        ///< RequiredAreaToConsiderSuctionCup; 10000 in the window
+  double suction_height_mm = 0.5;            ///< RequiredHeightToConsiderSuctionCup
+  std::uint32_t bound_margin = kEdgeMargin;  ///< pixels: MarginLeft and its like
+  bool has_panel = false;                    ///< the grid is a panel, so its edge is one
+  double travel_mm = 0;                      ///< of the Z stage; 0: unknown
 
   // UVtools does not know supports: below a flat underside, heads of 0.4 mm on every 2 to 3 mm hold a fiftieth to a twentieth of the
   // region, less than its sixteenth. So a region that its share makes an island is none if it rests on two tips or more, and all of it

@@ -91,7 +91,7 @@ void LayerMeasures::end_gap(StackFindings& findings) {
   empty_layers_ = 0;
 }
 
-void LayerMeasures::check_bounds(ConstBitImage mask, const PixelBox& box) {
+void LayerMeasures::check_bounds(ConstBitImage mask, const RegionBox& box) {
   const std::uint32_t margin = limits_.bound_margin;
   const std::uint32_t inner_column = mask.columns() - std::min(mask.columns(), margin);
   const std::uint32_t inner_row = mask.rows() - std::min(mask.rows(), margin);

@@ -14,7 +14,7 @@ namespace plumbline {
 
 /// What a layer's mask has.
 struct SeenLayer {
-  PixelBox box;  ///< round all white pixels
+  RegionBox box;  ///< round all white pixels
   std::uint64_t pixels = 0;
 };
 
@@ -29,7 +29,7 @@ class LayerMeasures {
 
  private:
   void check_areas(const SeenLayer& seen, StackFindings& findings);
-  void check_bounds(ConstBitImage mask, const PixelBox& box);
+  void check_bounds(ConstBitImage mask, const RegionBox& box);
   void end_gap(StackFindings& findings);
 
   IssueScale scale_;

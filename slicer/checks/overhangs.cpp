@@ -38,7 +38,7 @@ void set_run(std::span<std::uint64_t> line, std::uint32_t begin, std::uint32_t e
 
 }  // namespace
 
-std::uint64_t erode_fresh(ConstBitImage fresh, const PixelBox& box, std::uint32_t reach, BitImage out) {
+std::uint64_t erode_fresh(ConstBitImage fresh, const RegionBox& box, std::uint32_t reach, BitImage out) {
   bool any = false;
   for (std::uint32_t r = box.row; r < box.row_end; ++r) {
     const auto line = out.row(r);

@@ -8,7 +8,7 @@
 namespace plumbline {
 
 /// Half-open box of pixels.
-struct PixelBox {
+struct RegionBox {
   std::uint32_t column = ~std::uint32_t{0}, column_end = 0, row = ~std::uint32_t{0}, row_end = 0;
 
   bool empty() const { return column >= column_end; }
@@ -21,6 +21,6 @@ struct PixelBox {
 /// @param fresh  pixels of the layer that the one below has not; none outside of `box`
 /// @param out    same size, black on entry
 /// @returns number of pixels that are left
-std::uint64_t erode_fresh(ConstBitImage fresh, const PixelBox& box, std::uint32_t reach, BitImage out);
+std::uint64_t erode_fresh(ConstBitImage fresh, const RegionBox& box, std::uint32_t reach, BitImage out);
 
 }  // namespace plumbline

@@ -11,7 +11,7 @@ constexpr const char* kStage = "checks";
 /// What erosion leaves has few runs.
 constexpr LayerRegions::Settings kOverhangRegions{.runs_per_row = 8, .join_white_corners = true, .stage = kStage};
 
-PixelBox joined(const PixelBox& a, const PixelBox& b) {
+RegionBox joined(const RegionBox& a, const RegionBox& b) {
   return {std::min(a.column, b.column), std::max(a.column_end, b.column_end), std::min(a.row, b.row),
           std::max(a.row_end, b.row_end)};
 }
@@ -64,7 +64,7 @@ void StackChecker::check_while(FunctionRef<void()> meanwhile) {
 void StackChecker::check() {
   const SeenLayer& seen = taken_;
   measures_.next(below_mask_, seen, findings_);
-  const PixelBox both = joined(seen.box, below_.box);
+  const RegionBox both = joined(seen.box, below_.box);
   const bool eroded = layer_ > 0 && find_overhangs(both);
   regions_.next(below_mask_, eroded_, fresh_, findings_);
   const auto blacken = [&](const BitImage& image) {
@@ -80,7 +80,7 @@ void StackChecker::check() {
 SeenLayer StackChecker::compare_with_below(ConstBitImage mask) {
   SeenLayer seen;
   seen.pixels = below_.pixels;
-  PixelBox& box = seen.box;
+  RegionBox& box = seen.box;
   for (std::uint32_t r = 0; r < mask.rows(); ++r) {
     const auto line = mask.row(r);
     const bool is_black = is_blank(line);
@@ -110,7 +110,7 @@ SeenLayer StackChecker::compare_with_below(ConstBitImage mask) {
 }
 
 /// @returns whether eroded_ has pixels
-bool StackChecker::find_overhangs(const PixelBox& box) {
+bool StackChecker::find_overhangs(const RegionBox& box) {
   if (box.empty() || erode_fresh(fresh_, box, limits_.overhang_reach, eroded_) == 0) return false;
   if (!overhangs_.label(eroded_)) return true;
   for_each_region(overhangs_, widest_, [&](std::uint32_t region, bool white) {

@@ -44,7 +44,7 @@ class StackChecker {
       : limits_(limits), measures_(grid, limits), regions_(regions) {}
 
   SeenLayer compare_with_below(ConstBitImage mask);
-  bool find_overhangs(const PixelBox& box);
+  bool find_overhangs(const RegionBox& box);
   bool has_contour_area(std::uint32_t region) const;
 
   CheckLimits limits_;

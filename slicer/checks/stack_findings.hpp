@@ -16,12 +16,16 @@ struct IssueGroup {
   static constexpr std::size_t kKept = 8;
 
   std::uint32_t count = 0;
+  std::uint32_t minor = 0;   ///< of them, those that only the manifest has: find_what_matters()
   std::uint64_t pixels = 0;  ///< sum of Issue::pixels
   std::uint64_t voxels = 0;  ///< sum of Issue::voxels
   std::uint32_t kept_count = 0;
   std::array<Issue, kKept> kept;  ///< largest first; of equal ones the lower, then the earlier found
 
+  std::uint32_t told() const { return count - minor; }
   std::span<const Issue> all_kept() const { return std::span(kept).first(kept_count); }
+  /// Those that a person is told of come first.
+  std::span<const Issue> told_kept() const { return all_kept().first(std::min(kept_count, told())); }
 
   void add(const Issue& issue) {
     ++count;
@@ -57,9 +61,9 @@ struct StackFindings {
   IssueGroup& of(IssueKind kind) { return groups[static_cast<std::size_t>(kind)]; }
   const IssueGroup& of(IssueKind kind) const { return groups[static_cast<std::size_t>(kind)]; }
   std::uint32_t count(IssueKind kind) const { return of(kind).count; }
-  bool any() const {
+  bool any() const {  ///< that a person is told of
     return unchecked_layers > 0 ||
-           std::any_of(groups.begin(), groups.end(), [](const IssueGroup& group) { return group.count > 0; });
+           std::any_of(groups.begin(), groups.end(), [](const IssueGroup& group) { return group.told() > 0; });
   }
 
   /// Share of the stack that falls off while it is printed, 0 to 1.

@@ -1,10 +1,13 @@
 #pragma once
-/// The scan in memory: 24 bytes a point, in the arena.
+/// The scan in memory: 25 bytes a point in the arena, 24 once rays are shot.
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "slicer/core/arena.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
@@ -53,6 +56,38 @@ struct PackedNormal {
 };
 static_assert(sizeof(PackedNormal) == 8);
 
+/// Number of a point's view if nobody says which it is.
+inline constexpr std::uint8_t kNoView = 255;
+inline constexpr std::uint32_t kMaxViews = kNoView;
+/// Parts that a scan without views is divided into, in the order of its file: points that were taken together share an error. Of the
+/// raw bunny and dragon, whose views follow each other, 16 find as much, 128 are too small.
+inline constexpr std::uint32_t kRuns = 32;
+
+/// The views of a scan, as its files state them; else runs of points in the order of the file.
+struct CloudViews {
+  std::span<std::uint8_t> of;  ///< number of each point's view, or kNoView; as many as the cloud has room for
+  /// Where each view's scanner stood, in the frame and unit of the cloud until it is placed. kMaxViews of them, `count` in use.
+  std::span<Vec3f> scanner;
+  std::span<bool> has_scanner;  ///< whether the file says so
+  std::uint32_t count = 0;
+  bool are_runs = false;
+
+  /// Whether points have views: they keep them until rays are shot.
+  explicit operator bool() const { return !of.empty(); }
+  /// How many views' scanners have a known place.
+  std::uint32_t scanners() const {
+    return static_cast<std::uint32_t>(std::ranges::count(has_scanner.first(count), true));
+  }
+  /// Whether a view's scanner has a known place.
+  bool knows_scanner(std::uint8_t view) const { return view < count && has_scanner[view]; }
+  /// Unit vector from a view's scanner to a point.
+  /// @returns none if the scanner's place is unknown
+  std::optional<Vec3d> ray(std::uint8_t view, const Vec3f& point) const {
+    if (!knows_scanner(view)) return std::nullopt;
+    return (point - scanner[view]).cast<double>().normalized();
+  }
+};
+
 /// One array for each property, all of one capacity. Index i is the same point in all of them and in both trees: this is the
 /// link of thesis III-2.a.
 struct Cloud {
@@ -62,27 +97,30 @@ struct Cloud {
   /// of `position`. pi radius^2 / support_points is the area that the point stands for, times its weight once points are
   /// joined. Normals and clustering set it; MLS takes it as the support radius.
   std::span<float> radius;
+  CloudViews views;          ///< none after neighbours have been averaged, and when rays are shot
   float support_points = 1;  ///< points that each disc holds; 1: the disc is the point's own share of the surface
   std::uint32_t size = 0;    ///< points in use
-  /// The last `continued` points are not of the scan: continue_bore_walls() has added them.
-  std::uint32_t continued = 0;
 
   static constexpr std::size_t kBytesPerPoint = sizeof(Vec3f) + sizeof(PackedNormal) + sizeof(float);
+  /// The same with the number of its view, as a scan has it until rays are shot.
+  static constexpr std::size_t kBytesPerSeenPoint = kBytesPerPoint + 1;
 
-  /// Room for points that later stages may add to a scan of `points` points. A lower share leaves long bores unfinished; 1/64
-  /// costs 1.6 % of the cloud's memory.
-  static constexpr std::uint32_t spare(std::uint32_t points) { return points / 64; }
-
-  [[nodiscard]] static Expected<Cloud> create(std::uint32_t capacity, Arena& arena);
+  [[nodiscard]] static Expected<Cloud> create(std::uint32_t capacity, Arena& arena, bool with_views = false);
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(position.size()); }
   std::span<const Vec3f> positions() const { return position.first(size); }
-  std::uint32_t seen() const { return size - continued; }  ///< points of the scan, which come first
   bool is_surface(std::uint32_t i) const { return normal[i].point_class != PointClass::kNoise; }
+  /// Divides the points, which are in the order of the file, into runs.
+  void set_runs();
+  std::uint8_t view_of(std::uint32_t i) const { return views ? views.of[i] : kNoView; }
+  /// Whether the scanner that saw point i has a known place.
+  bool has_scanner(std::uint32_t i) const { return views.knows_scanner(view_of(i)); }
   /// Point k of a sample of `count` points, at equal steps of the order.
   std::uint32_t sampled(std::uint32_t k, std::uint32_t count) const {
     return static_cast<std::uint32_t>(std::uint64_t{k} * size / count);
   }
   Box3f bounds() const;
+  /// False if all points lie along one line, to rounding, or there is none.
+  bool spans_area() const;
 
   /// Changes all radii to those of discs that hold `points` points, above 0.
   void set_support_points(float points);
@@ -91,13 +129,15 @@ struct Cloud {
   /// again, until at most four points are left. Normals are unknown afterwards, and every weight is 1.
   void average_neighbours();
 
+  /// Removes the points for which stays(i) is false and keeps the order of the others.
+  void keep(FunctionRef<bool(std::uint32_t)> stays);
   /// Removes the points of class kNoise and keeps the order of the others.
   void drop_noise();
 
-  /// Gives room back to the arena, where nothing else has been taken at the top since create() or has been released.
-  /// @param kept  points that room is left for: those in use or more
+  /// Gives the room of points that are not in use back to the arena, where nothing else has been taken at the top since create() or has
+  /// been released.
   /// @retval ErrorCode::kOutOfMemory  only in an arena that refuses a block; the points are lost
-  [[nodiscard]] Status give_back(std::uint32_t kept, Arena& arena);
+  [[nodiscard]] Status give_back(Arena& arena, bool with_views = true);
 
   /// Moves point order[i] to i, for every i.
   /// @param order  such as that of a tree; out: 0, 1, 2, ...

@@ -36,8 +36,11 @@ class CloudSink final : public PointSink {
   Status begin(const ScanHeader& header) override {
     if (!thinner_) PLUMBLINE_TRY(take_room(header));
     thinner_->begin(header);
+    // Files are told apart: each was seen as a whole, if it doesn't say more.
+    if (!header.has_views) thinner_->begin_view({});
     return {};
   }
+  void begin_view(const ScanView& view) override { thinner_->begin_view(view); }
   Status take(std::span<const ScanPoint> points) override {
     const Status taken = thinner_->take(points);
     if (!taken) return tl::unexpected<Error>(taken.error().with_prefix(source_->name()));
@@ -52,22 +55,23 @@ class CloudSink final : public PointSink {
     reading_.offset = thinner_->offset();
     Cloud& cloud = reading_.cloud;
     arena_.release_top(below_cloud_);
-    PLUMBLINE_TRY(cloud.give_back(cloud.size + Cloud::spare(cloud.size), arena_));
+    PLUMBLINE_TRY(cloud.give_back(arena_));
     return reading_;
   }
   CloudReading& reading() { return reading_; }
 
  private:
-  /// Takes room for points of the scan, and for those that later stages may add.
   Status take_room(const ScanHeader& header) {
     // The columns of a compressed file are released before the next file is read, so the largest counts.
+    const std::uint32_t views = header.has_views ? kMaxViews : later_.most_views;
     const auto capacity = room_({.points = sum_of_bounds(later_.points, most_points(header, source_->size())),
                                  .reader_bytes = std::max(header.reader_bytes, later_.reader_bytes),
                                  .kept_bytes = later_.kept_bytes,
+                                 .most_views = views,
                                  .some_in_mm = later_.some_in_mm || header.is_in_mm,
                                  .some_in_any_unit = later_.some_in_any_unit || !header.is_in_mm});
     PLUMBLINE_TRY(capacity);
-    const auto cloud = Cloud::create(*capacity + Cloud::spare(*capacity), arena_);
+    const auto cloud = Cloud::create(*capacity, arena_, true);
     PLUMBLINE_TRY(cloud);
     reading_.cloud = *cloud;
     below_cloud_ = arena_.top_mark();
@@ -112,6 +116,7 @@ class ScanQueue {
       later.reader_bytes = std::max(later.reader_bytes, header.reader_bytes);
       // The header of an E57 is at its end.
       const bool is_in_mm = header.is_in_mm || peeked_[i]->begins_with(kE57Signature);
+      if (header.has_views || !head->has_value()) later.most_views = kMaxViews;
       later.some_in_mm |= is_in_mm;
       later.some_in_any_unit |= head->has_value() && !is_in_mm;
     }
@@ -180,7 +185,12 @@ Expected<CloudReading> read_cloud(ScanSources sources, const CloudReadSettings& 
   const std::size_t bottom = arena.bottom_mark();
   auto reading = read_all(sources, settings, room, arena, progress);
   arena.release_bottom(bottom);
-  if (!reading) arena.release_top(top);
+  if (!reading) {
+    arena.release_top(top);
+    return reading;
+  }
+  Cloud& cloud = reading->cloud;
+  if (cloud.views.count < 2 && cloud.views.scanners() == 0) cloud.set_runs();
   return reading;
 }
 

@@ -23,6 +23,7 @@ struct ScanAnnouncement {
   std::optional<std::uint64_t> points;  ///< at most; none where a file doesn't limit its number
   std::uint64_t reader_bytes = 0;       ///< ScanHeader::reader_bytes, the largest of the files
   std::uint64_t kept_bytes = 0;         ///< of the arena, for the heads of files that wait for their turn
+  std::uint32_t most_views = kRuns;     ///< kMaxViews where a file states its own
   bool some_in_mm = false;              ///< by their format, whatever unit is asked for
   bool some_in_any_unit = false;        ///< for certain: a header that could not be read ahead says nothing
 };
@@ -34,7 +35,7 @@ using RoomForPoints = FunctionRef<Expected<std::uint32_t>(const ScanAnnouncement
 /// The cloud stays at the top of the arena.
 struct CloudReading {
   ScanSummaries scans;
-  Cloud cloud;                   ///< its capacity is its size and Cloud::spare() of that
+  Cloud cloud;                   ///< its capacity is its size
   Vec3d offset = Vec3d::Zero();  ///< rotated scan coordinates of the cloud's origin
   std::uint64_t averaged = 0;    ///< scan points merged into another
   double cell = 0;               ///< of the thinning, scan units; 0: nothing was averaged

@@ -15,6 +15,9 @@ namespace {
 constexpr std::uint64_t kOften = 10;
 constexpr std::uint64_t kFewest = 8;
 
+/// A scanner farther away than this is damage, and its square would not fit a float; scan units from the first point.
+constexpr double kFarthest = 1e15;
+
 /// The longest side of the points, but at most 8 times that of nine in ten of them: one point far away must not decide how
 /// fine the cells are.
 float longest_side(const Cloud& cloud) {
@@ -54,6 +57,33 @@ PointThinner::PointThinner(Cloud& cloud, std::uint32_t capacity, std::span<std::
 void PointThinner::begin(const ScanHeader& header) {
   unsigned_normals_ = unsigned_normals_ || header.has_unsigned_normals;
   seen_before_ = seen_;
+}
+
+void PointThinner::begin_view(const ScanView& view) {
+  view_ = view;
+  view_number_.reset();
+}
+
+std::uint8_t PointThinner::number_of(const ScanView& view) {
+  CloudViews& views = cloud_.views;
+  if (views.of.empty()) return kNoView;
+  const Vec3d local = view.scanner ? Vec3d(rotation_ * *view.scanner - offset_) : Vec3d::Zero();
+  const bool has_scanner = view.scanner && local.squaredNorm() < kFarthest * kFarthest;
+  const Vec3f place = has_scanner ? Vec3f(local.cast<float>()) : Vec3f::Zero();
+  if (views.count < kMaxViews) {
+    views.scanner[views.count] = place;
+    views.has_scanner[views.count] = has_scanner;
+    return static_cast<std::uint8_t>(views.count++);
+  }
+  std::uint8_t nearest = kNoView;
+  for (std::uint8_t v = 0; has_scanner && v < kMaxViews; ++v) {
+    if (!views.has_scanner[v]) continue;
+    if (nearest == kNoView ||
+        (views.scanner[v] - place).squaredNorm() < (views.scanner[nearest] - place).squaredNorm()) {
+      nearest = v;
+    }
+  }
+  return nearest;
 }
 
 PointThinner::Key PointThinner::key_of(const Vec3f& p) const {
@@ -124,6 +154,7 @@ void PointThinner::add(const Incoming& point) {
   }
   cloud_.position[cloud_.size] = point.position;
   cloud_.normal[cloud_.size] = point.normal;
+  if (cloud_.views) cloud_.views.of[cloud_.size] = point.view;
   ++cloud_.size;
 }
 
@@ -172,6 +203,7 @@ void PointThinner::grow_cell() {
       for (; held < kTogether && i < count; ++held, ++i) {
         points[held].position = cloud_.position[i];
         points[held].normal = cloud_.normal[i];
+        points[held].view = cloud_.view_of(i);
       }
       add(std::span(points).first(held));
     }
@@ -191,7 +223,9 @@ Status PointThinner::take(std::span<const ScanPoint> points) {
           "point %llu lies at (%g, %g, %g), more than 1e18 from the first one: the file is damaged.\tExport it again",
           static_cast<unsigned long long>(seen_ - seen_before_), point.x, point.y, point.z);
     }
+    if (!view_number_) view_number_ = number_of(view_);
     Incoming& taken = incoming[held++];
+    taken.view = *view_number_;
     taken.position = local;
     taken.normal = {};
     taken.normal.set((rotation_ * Vec3d(point.nx, point.ny, point.nz)).cast<float>());

@@ -31,6 +31,8 @@ class PointThinner {
 
   /// Call once for each file, before its points.
   void begin(const ScanHeader& header);
+  /// Call before the points of each view. Beyond kMaxViews, a view joins the one whose scanner is nearest.
+  void begin_view(const ScanView& view);
   /// @retval ErrorCode::kMalformed  a point is too far away for a float
   [[nodiscard]] Status take(std::span<const ScanPoint> points);
 
@@ -48,6 +50,7 @@ class PointThinner {
   struct Incoming {
     Vec3f position;
     PackedNormal normal;
+    std::uint8_t view;
     Key key;             ///< of its cell, as is `hash`
     std::uint64_t hash;  ///< bits from 20 on find the slot, the highest are the tag
   };
@@ -57,6 +60,8 @@ class PointThinner {
 
   Key key_of(const Vec3f& p) const;
   static std::uint64_t hash_of(const Key& key);
+  /// The number of a new view.
+  std::uint8_t number_of(const ScanView& view);
   void find_cell(Incoming& point) const;  ///< sets its key and hash
   std::uint32_t tag_of(std::uint64_t hash) const { return static_cast<std::uint32_t>(hash >> 32) & ~index_mask_; }
   std::uint32_t place_of(std::uint32_t entry) const { return (entry & index_mask_) - 1; }
@@ -79,6 +84,8 @@ class PointThinner {
   std::uint64_t seen_ = 0;
   std::uint64_t seen_before_ = 0;  ///< in files before this one
   std::uint64_t averaged_ = 0;
+  ScanView view_;
+  std::optional<std::uint8_t> view_number_;  ///< of `view_`, once it has a point: the first point sets the offset
   bool unsigned_normals_ = false;
   std::uint64_t opposite_ = 0;  ///< of these, with a normal that faces the opposite side of its cell's
 };

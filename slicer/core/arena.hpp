@@ -109,4 +109,17 @@ class ArenaScope {
   std::size_t mark_;
 };
 
+/// The same at the bottom.
+class BottomScope {
+ public:
+  explicit BottomScope(Arena& arena) : arena_(arena), mark_(arena.bottom_mark()) {}
+  ~BottomScope() { arena_.release_bottom(mark_); }
+  BottomScope(const BottomScope&) = delete;
+  BottomScope& operator=(const BottomScope&) = delete;
+
+ private:
+  Arena& arena_;
+  std::size_t mark_;
+};
+
 }  // namespace plumbline

@@ -42,7 +42,7 @@ struct FeatureRun {
 };
 
 /// What a region touches in the layer above or below.
-struct Contact {
+struct FeatureContact {
   std::uint32_t region = LayerRegions::kNone;
   bool more = false;   ///< more than one region
   bool large = false;  ///< at least one that is not small
@@ -60,14 +60,14 @@ struct Layer {
   static std::size_t most_regions(std::uint32_t rows) { return LayerRegions::most_runs(rows, {}); }
   static std::size_t bytes_needed(std::uint32_t rows) {
     return LayerRegions::bytes_needed(rows) + Arena::rounded(most_regions(rows) * sizeof(std::uint32_t)) +
-           Arena::rounded(most_regions(rows) * sizeof(Contact));
+           Arena::rounded(most_regions(rows) * sizeof(FeatureContact));
   }
   static Expected<Layer> create(const PrintGrid& grid, Arena& arena);
 
   LayerRegions regions;
-  std::span<std::uint32_t> feature;  ///< by region; kNone: not small
-  std::span<Contact> contact;        ///< by region, with the layer that it is compared with
-  std::uint32_t small = 0;           ///< regions
+  std::span<std::uint32_t> feature;   ///< by region; kNone: not small
+  std::span<FeatureContact> contact;  ///< by region, with the layer that it is compared with
+  std::uint32_t small = 0;            ///< regions
 };
 
 Expected<Layer> Layer::create(const PrintGrid& grid, Arena& arena) {
@@ -196,7 +196,8 @@ bool Sweep::record(const FeatureRun& run, bool white, ConstBitImage section) {
 }
 
 void Sweep::connect(Layer& below, Layer& above) {
-  for (Layer* layer : {&below, &above}) std::fill_n(layer->contact.begin(), layer->regions.run_count(), Contact{});
+  for (Layer* layer : {&below, &above})
+    std::fill_n(layer->contact.begin(), layer->regions.run_count(), FeatureContact{});
   for_each_contact(below.regions, above.regions, [&](const RegionContact& contact) {
     const auto [a, b] = std::pair(contact.below, contact.above);
     below.contact[a].note(b);
@@ -204,7 +205,7 @@ void Sweep::connect(Layer& below, Layer& above) {
     below.contact[a].large |= above.feature[b] == LayerRegions::kNone;
     above.contact[b].large |= below.feature[a] == LayerRegions::kNone;
   });
-  const auto note_large = [](Feature& small, const Contact& large) {
+  const auto note_large = [](Feature& small, const FeatureContact& large) {
     small.continued |= !large.more;
     small.bears |= !large.large;
   };

@@ -10,9 +10,9 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "bytes of a row are taken as eight columns each, in order");
 
 /// 64 columns of an image around a strip: where they begin in a row, and which of them are results.
-class Window {
+class ColumnWindow {
  public:
-  Window(ConstBitImage image, std::uint32_t strip) {
+  ColumnWindow(ConstBitImage image, std::uint32_t strip) {
     constexpr std::uint32_t kBeside = (64 - kStripColumns) / 2;
     static_assert(kBeside % 8 == 0 && kBeside >= 2 * kOpenCloseReach);
     const std::uint32_t first = strip * kStripColumns;
@@ -87,7 +87,7 @@ void open_and_close_rows(ConstBitImage in, BitImage out, std::uint32_t strip, st
   if (strip * kStripColumns >= in.columns()) return;
   constexpr std::uint32_t kReach = kOpenCloseReach;
   static_assert(kReach == 2, "the results of two rows are known when the next two have been seen");
-  const Window window(in, strip);
+  const ColumnWindow window(in, strip);
   const std::size_t stride = in.stride();
   const auto load = [&](std::uint32_t row) {  // rows outside of the image are black, as are all before the first one
     return row < in.rows() ? window.load(in.words().data() + row * stride) : 0;

@@ -13,9 +13,6 @@ namespace plumbline {
 /// Sums a random number for each edge, with the sign of its direction. In a closed mesh with consistent faces every edge runs as
 /// often one way as the other, and the sum is 0. Then every ray enters as often as it exits. Any other mesh has the sum 0 with a
 /// probability of 2^-64.
-///
-/// A second sum, bit by bit modulo 2, knows no direction. It is 0 if every edge belongs to an even number of triangles. Then every
-/// ray passes an even number of them, whichever way they face.
 class EdgeSum {
  public:
   void add(const LatticeTriangle& triangle) {
@@ -27,22 +24,26 @@ class EdgeSum {
     add(c, a);
   }
   bool is_closed() const { return sum_ == 0; }
-  bool is_paired() const { return parity_ == 0; }
+  /// Adds another sum, or takes it away: that of the same triangles, all turned over.
+  void add(const EdgeSum& other, bool turned) { sum_ += turned ? 0 - other.sum_ : other.sum_; }
 
- private:
   static std::uint64_t number_of(const LatticePoint& p) {
     const auto word = [](std::int32_t i) { return std::uint64_t{static_cast<std::uint32_t>(i)}; };
     return mix64(mix64(word(p.x) | word(p.y) << 32U) + word(p.z) * kGoldenStep64);
   }
+  /// @param from, to  number_of() its ends
+  static std::uint64_t number_of_edge(std::uint64_t from, std::uint64_t to) {
+    return mix64(std::min(from, to) ^ std::rotl(std::max(from, to), 32));
+  }
+
+ private:
   void add(std::uint64_t from, std::uint64_t to) {
     if (from == to) return;
-    const std::uint64_t edge = mix64(std::min(from, to) ^ std::rotl(std::max(from, to), 32));
+    const std::uint64_t edge = number_of_edge(from, to);
     sum_ += from < to ? edge : 0 - edge;
-    parity_ ^= edge;
   }
 
   std::uint64_t sum_ = 0;
-  std::uint64_t parity_ = 0;
 };
 
 }  // namespace plumbline

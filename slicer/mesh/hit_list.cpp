@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstdlib>
 
+#include "slicer/reader/triangles/triangle.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -18,15 +20,16 @@ bool balances_without_doubled(std::span<const PackedHit> ray) {
   int sum_of_different = 0;
   for (std::size_t i = 0; i < ray.size(); ++i) {
     sum += ray[i].winding();
-    if (i == 0 || ray[i] != ray[i - 1]) sum_of_different += ray[i].winding();
+    if (i == 0 || !ray[i].is_again(ray[i - 1])) sum_of_different += ray[i].winding();
   }
   return std::abs(sum_of_different) < std::abs(sum);
 }
 
 }  // namespace
 
-Expected<HitList> HitList::create(const PrintGrid& grid, Arena& arena) {
+Expected<HitList> HitList::create(const PrintGrid& grid, Arena& arena, bool of_shells) {
   HitList list;
+  list.of_shells_ = of_shells;
   list.top_ = arena.top_mark();
   list.tile_columns_ = (grid.columns + kTileSide - 1) / kTileSide;
   list.tile_rows_ = (grid.rows + kTileSide - 1) / kTileSide;
@@ -54,15 +57,21 @@ Status HitList::close(Arena& arena) {
   std::copy(kept.begin(), kept.end(), hits->begin());  // to the same place, or less than a cache line down
   hits_ = *hits;
   free_ = 0;
-  sort_hits(hits_, tile_columns_ * tile_rows_);
+  sort();
   return {};
 }
 
+void HitList::sort() {
+  const auto is_solid = [](const PackedHit& hit) { return !BodyLabel::of(hit.body()).is_negative(); };
+  const auto negative = of_shells_ ? hits_.end() : std::partition(hits_.begin(), hits_.end(), is_solid);
+  negative_ = static_cast<std::size_t>(hits_.end() - negative);
+  sort_hits(hits_.first(hits_.size() - negative_), tile_columns_ * tile_rows_);
+  sort_hits(hits_.last(negative_), tile_columns_ * tile_rows_);
+}
+
 bool HitList::drop_doubled() {
-  for (std::size_t begin = 0, end = 0; !drops_doubled_ && begin < hits_.size(); begin = end) {
-    while (end < hits_.size() && hits_[end].is_on_ray_of(hits_[begin])) ++end;
-    drops_doubled_ = balances_without_doubled(hits_.subspan(begin, end - begin));
-  }
+  for_each_ray(
+      [&](std::span<const PackedHit> ray) { drops_doubled_ = drops_doubled_ || balances_without_doubled(ray); });
   return drops_doubled_;
 }
 
@@ -74,8 +83,7 @@ RayHits HitList::take_ray(std::span<const PackedHit>& in_tile, std::uint32_t ray
   return {taken, drops_doubled_ && balances_without_doubled(taken)};
 }
 
-std::span<const PackedHit> HitList::of_tile(std::uint32_t tile) const {
-  const auto hits = all();
+std::span<const PackedHit> HitList::of_tile(std::span<const PackedHit> hits, std::uint32_t tile) {
   const auto begin = std::lower_bound(hits.begin(), hits.end(), PackedHit::before_tile(tile));
   const auto end = std::lower_bound(begin, hits.end(), PackedHit::before_tile(tile + 1));
   return {begin, end};

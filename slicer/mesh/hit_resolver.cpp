@@ -11,7 +11,8 @@
 
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/mesh/mesh_ray.hpp"
-#include "slicer/mesh/open_rays.hpp"
+#include "slicer/mesh/negative_cut.hpp"
+#include "slicer/mesh/open/open_rays.hpp"
 
 namespace plumbline {
 namespace {
@@ -95,26 +96,32 @@ class Resolver {
   Status store_tile(std::uint32_t tile_column, std::uint32_t tile_row, Worker& worker) const {
     const std::uint32_t tile = tile_row * hits_.tile_columns() + tile_column;
     auto hits = hits_.of_tile(tile);
+    auto negative = hits_.negative_of_tile(tile);
     if (hits.empty() && !worker.open) return {};
     std::array<std::uint8_t, kRaysPerTile> counted{};
     std::size_t used = 0;
     for (std::uint32_t i = 0; i < kRaysPerTile; ++i) {
       const auto ray = hits_.take_ray(hits, i);
+      const auto cut = hits_.take_ray(negative, i).all;
       const std::uint32_t column = tile_column * kTileSide + i % kTileSide;
       const std::uint32_t row = tile_row * kTileSide + i / kTileSide;
       const bool open = worker.open && worker.open->is_open(column, row);
       if (ray.empty() && !open) continue;
       RayToggles toggles(worker.room.subspan(used));
+      std::array<std::uint16_t, kMostRayCrossings> uncut_layers;
+      RayToggles uncut(uncut_layers);
+      RayToggles& solids = cut.empty() ? toggles : uncut;
       if (open) {
-        worker.open->decide(column, row, toggles);
+        worker.open->decide(column, row, solids);
       } else {
         for_each_stretch(ray, grid_.layers,
-                         [&](const RayStretch& stretch) { toggles.set(stretch.begin, stretch.is_solid()); });
+                         [&](const RayStretch& stretch) { solids.set(stretch.begin, stretch.is_solid()); });
       }
+      if (!cut.empty()) cut_negative(std::span(uncut_layers).first(uncut.count()), ray, cut, grid_.layers, toggles);
       worker.counts.rays += ray.empty() ? 0 : 1;
       worker.counts.broken_rays += winding_sum(ray) != 0 ? 1 : 0;
       worker.counts.decided_rays += open ? 1 : 0;
-      worker.counts.crowded_rays += toggles.crowded() ? 1 : 0;
+      worker.counts.crowded_rays += toggles.crowded() || uncut.crowded() ? 1 : 0;
       counted[i] = static_cast<std::uint8_t>(toggles.count());
       used += toggles.count();
     }
@@ -209,20 +216,6 @@ Expected<bool> mirror_open_underside(MeshField& field, const HitList& hits, cons
   });
   if (open) field.base = height;
   return open;
-}
-
-bool has_overlaps(const HitList& hits) {
-  const auto all = hits.all();
-  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
-    int winding = 0;
-    bool overlaps = false;
-    for (; end < all.size() && all[end].is_on_ray_of(all[begin]); ++end) {
-      winding += all[end].winding();
-      overlaps |= std::abs(winding) > 1;
-    }
-    if (overlaps && winding == 0) return true;
-  }
-  return false;
 }
 
 std::size_t resolve_bytes(std::uint32_t threads, const MeshField* field) {

@@ -25,9 +25,6 @@ namespace plumbline {
 [[nodiscard]] Expected<bool> mirror_open_underside(MeshField& field, const HitList& hits, const PrintGrid& grid,
                                                    float height, Arena& arena);
 
-/// Whether parts of the object lie inside of each other: some ray is in two of them.
-[[nodiscard]] bool has_overlaps(const HitList& hits);
-
 /// Bytes of the arena for resolve_hits(), without its store.
 /// @param field  null: the mesh is closed
 std::size_t resolve_bytes(std::uint32_t threads, const MeshField* field);
@@ -38,7 +35,7 @@ std::size_t resolve_bytes(std::uint32_t threads, const MeshField* field);
 /// shells inside of each other, shells that overlap and a mesh that is inside out are solid throughout. Where a ray does not enter as
 /// often as it exits, the sum from above says otherwise in some stretches. There the winding number of all triangles decides, as it
 /// does for scans; and in doubtful tiles in all empty stretches longer than two cells.
-/// @param field   null: the mesh is closed, or would be if some faces were turned over
+/// @param field   null: the mesh is closed
 /// @param arena   resolve_bytes() from the top; the rest for the store
 /// @param counts  rays, broken_rays, decided_rays, asked_rays and crowded_rays are set
 /// @retval ErrorCode::kOutOfMemory, kCancelled

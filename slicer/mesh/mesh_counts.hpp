@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "slicer/reader/triangles/triangle.hpp"
+
 namespace plumbline {
 
 struct MeshCounts {
@@ -15,7 +17,9 @@ struct MeshCounts {
   double seen_area = 0;             ///< of all triangles from above, squared scan units; decides the number of hits
   std::uint64_t hits = 0;           ///< of rays and triangles
   bool closed = false;              ///< every edge runs as often one way as the other
-  bool turned = false;              ///< not closed, but it would be if some faces were turned over
+  std::uint64_t turned = 0;         ///< triangles that were turned over, so that they face as their shells do
+  std::uint64_t dropped = 0;        ///< triangles left out: they are there more than once, or cancel each other
+  UnusedSettings project;           ///< of a slicer, that some files are
   std::uint64_t closed_holes = 0;   ///< small ones, and faces that are turned over or there twice: close_small_holes()
   std::uint64_t rays = 0;           ///< that pass a triangle
   std::uint64_t broken_rays = 0;    ///< of these, those that enter and exit a different number of times

@@ -61,6 +61,12 @@ class MeshLattice {
     const Vec3d print = transform_(p);
     return {round(print[0], 0), round(print[1], 1), round(print[2], 2)};
   }
+  /// The same before it is rounded, and where it may lie outside of the grid.
+  Vec3d steps_of(const Vec3d& p) const {
+    const Vec3d print = transform_(p);
+    return {print[0] * steps_[0], print[1] * steps_[1], print[2] * steps_[2]};
+  }
+  const Vec3d& last() const { return last_; }  ///< steps to the far corner of the grid
   /// mm in a step, on each axis
   Vec3d step() const { return {1 / steps_[0], 1 / steps_[1], 1 / steps_[2]}; }
 

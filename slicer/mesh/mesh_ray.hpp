@@ -11,8 +11,8 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/implicit/winding_number.hpp"
+#include "slicer/mesh/open/rim_winding.hpp"
 #include "slicer/mesh/ray_solids.hpp"
-#include "slicer/mesh/rim_winding.hpp"
 
 namespace plumbline {
 

@@ -13,7 +13,8 @@
 #include "slicer/mesh/mesh_files.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 #include "slicer/mesh/mesh_survey.hpp"
-#include "slicer/mesh/rim_winding.hpp"
+#include "slicer/mesh/open/rim_winding.hpp"
+#include "slicer/mesh/shells.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
@@ -34,13 +35,27 @@ struct SurveyedMesh {
 struct MeshHits {
   HitList hits;            ///< sorted, at the top of the arena
   bool closed = false;     ///< EdgeSum
-  bool paired = false;     ///< EdgeSum
   std::uint64_t flat = 0;  ///< triangles with two corners in one place
+  // Set by read_sides():
+  TriangleSides sides;        ///< at the top of the arena, before the hits
+  std::uint64_t turned = 0;   ///< triangles
+  std::uint64_t dropped = 0;  ///< triangles that are there more than once
 };
 /// @param survey  of the same files
 /// @retval ErrorCode::kCannotRead  the files have changed since the survey
 [[nodiscard]] Expected<MeshHits> read_hits(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
                                            const MeshTransform& transform, Arena& arena, const StageProgress& progress);
+
+/// Bytes of the arena that read_sides() takes at most, beside the hits.
+std::size_t sides_bytes(std::uint64_t triangles, std::uint64_t most_vertices, std::size_t available);
+
+/// Reads the triangles again, to join them to shells (as often as the room for their edges is too small), then once more with the sides
+/// that the shells have: Shell, orient_shells().
+/// @param found  the hits of the same files, the last block taken from the top of the arena; replaced
+/// @returns false if nothing was changed: there is no room, or hardly any triangle shares an edge with another
+[[nodiscard]] Expected<bool> read_sides(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
+                                        const MeshTransform& transform, MeshHits& found, Arena& arena,
+                                        const StageProgress& progress);
 
 struct ClosedHoles {
   std::uint64_t holes = 0;  ///< that were closed
@@ -54,9 +69,9 @@ inline constexpr std::size_t kMostRim = 2048;
 
 /// Reads the triangles twice, to close the small holes of a mesh (close_small_holes()), to add the hits of the caps, and to find the
 /// rim of the large ones. It closes none in a mesh most of whose edges are open, or that has more of them than there is room for.
-/// @param hits  of the same files, the last block taken from the top of the arena
+/// @param found  the hits of the same files, the last block taken from the top of the arena
 [[nodiscard]] Expected<ClosedHoles> close_holes(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
-                                                const MeshTransform& transform, HitList& hits, Arena& arena,
+                                                const MeshTransform& transform, MeshHits& found, Arena& arena,
                                                 const StageProgress& progress);
 
 /// What read_dipoles() needs to know of the surface, all of it transformed.
@@ -66,6 +81,7 @@ struct DipoleSurface {
   double area = 0;
   std::span<const LatticeTriangle> caps = {};  ///< count as well
   Vec3d step = Vec3d::Zero();                  ///< of their lattice, mm
+  TriangleSides sides = {};
 };
 struct ReadDipoles {
   Cloud cloud;     ///< MeshDipoles::to_cloud(), at the top of the arena

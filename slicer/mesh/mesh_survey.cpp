@@ -18,13 +18,17 @@ bool MeshSurvey::is_object() const {
   return triangles > 0 && covered && std::sqrt(directed.dot(directed)) <= kMostOpen * area;
 }
 
-void Surveyor::add(const Triangle& triangle) {
+void Surveyor::add(const Triangle& triangle, bool negative) {
   std::array<Vec3d, 3> p;
   for (std::size_t i = 0; i < 3; ++i) {
     p[i] = rotation_ * triangle[i];
-    survey_.bounds.extend(p[i]);
+    if (!negative) survey_.bounds.extend(p[i]);
   }
   const Vec3d directed = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]);
+  if (negative) {
+    survey_.cut_area += std::abs(directed[2]);
+    return;
+  }
   survey_.directed += directed;
   survey_.area += std::sqrt(directed.dot(directed));
   survey_.seen_area += std::abs(directed[2]);

@@ -11,6 +11,7 @@ struct MeshSurvey {
   Box3d bounds;  ///< of all usable triangles
   double area = 0;
   double seen_area = 0;             ///< from above: the sum of the triangles' areas in the plane of the plate
+  double cut_area = 0;              ///< the same of negative volumes, which nothing else here counts
   Vec3d directed = Vec3d::Zero();   ///< sum of areas times normals; 0 for a closed surface
   std::uint64_t most_vertices = 0;  ///< of a file
   std::uint64_t vertices = 0;
@@ -27,7 +28,8 @@ struct MeshSurvey {
 class Surveyor {
  public:
   explicit Surveyor(const Mat3d& rotation) : rotation_(rotation) {}
-  void add(const Triangle& triangle);
+  /// @param negative  it is cut out of solids: it makes hits, but the object has its size without it
+  void add(const Triangle& triangle, bool negative);
   void end_file(const MeshSummary& summary);
   const MeshSurvey& survey() const { return survey_; }
 

@@ -19,8 +19,7 @@ struct RayStretch {
   int from_above = 0;                ///< by those above; equal if the ray is whole
   int from_all_above = 0;            ///< by those above, with those that are left out because they are there twice
   bool is_sure() const { return (from_below != 0) == (from_above != 0); }
-  /// If it is sure. Of a mesh with faces that are turned over also if not: from_below and from_above differ by an even number then, so
-  /// if one is 0, the ray passes an even number of faces below.
+  /// If it is sure.
   bool is_solid() const { return from_below != 0 && from_above != 0; }
 };
 

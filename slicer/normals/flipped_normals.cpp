@@ -38,8 +38,13 @@ class FlippedNormals {
     auto entries = arena_.take_top<std::uint32_t>(cloud_.size, "normals");
     PLUMBLINE_TRY(entries);
     sets_ = SidedSets(*entries);
-    for (std::uint32_t i = 0; i < cloud_.size; ++i) sets_.start(i, false);
+    bool all_seen = true;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      sets_.start(i, cloud_.has_scanner(i));
+      all_seen &= cloud_.has_scanner(i);
+    }
     PLUMBLINE_TRY(join());
+    if (all_seen) return NormalCounts{};
     if (kContradictory * (opposite_ - std::abs(facing_)) > pairs_) {
       NormalCounts counts;
       counts.contradictory = true;

@@ -14,7 +14,8 @@ namespace plumbline {
 /// Most bytes of arena that turn_flipped_normals() takes, not counting the rounding of blocks.
 std::size_t flipped_normals_bytes(std::uint32_t points);
 
-/// Turns over the normals that face into the object.
+/// Turns over the normals that face into the object. Those of points of which it is known from where they were seen are right:
+/// face_scanners() comes before.
 ///
 /// Neighbours that face the same way are joined to sheets. The largest sheet is taken to be right. The others, from large to
 /// small, and then the points in no sheet, are turned over if the field of the sheets before them says so (orient_normals(), 2):

@@ -21,18 +21,23 @@ constexpr std::uint32_t kNoPoint = 0xFFFFFFFFU;
 constexpr std::array<float, 3> kLeastWeight = {0.95F, 0.8F, 0.5F};
 constexpr std::uint8_t kNoClass = kLeastWeight.size();
 
-class Orientation {
+class NormalTurning {
  public:
-  Orientation(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated, Arena& arena,
-              const StageProgress& progress)
+  NormalTurning(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated, Arena& arena,
+                const StageProgress& progress)
       : cloud_(cloud), tree_(tree), estimated_(estimated), arena_(arena), progress_(progress) {}
 
   Expected<std::uint32_t> run() {
     auto entries = arena_.take_top<std::uint32_t>(cloud_.size, kStage);
     PLUMBLINE_TRY(entries);
     sets_ = SidedSets(*entries);
-    for (std::uint32_t i = 0; i < cloud_.size; ++i) sets_.start(i, !is_estimated(i));
+    bool any = false;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      sets_.start(i, !may_turn(i));
+      any |= may_turn(i);
+    }
     PLUMBLINE_TRY(Sheets::limit_areas(cloud_, arena_));
+    if (!any) return 0U;
     PLUMBLINE_TRY(join());
     const auto counts = Sheets(cloud_, sets_, arena_).turn(FirstSide::kKnownOrConvex);
     PLUMBLINE_TRY(counts);
@@ -40,8 +45,8 @@ class Orientation {
   }
 
  private:
-  bool is_estimated(std::uint32_t i) const {
-    return estimated_.empty() || ((estimated_[i / 64] >> (i % 64)) & 1U) != 0;
+  bool may_turn(std::uint32_t i) const {
+    return !cloud_.has_scanner(i) && (estimated_.empty() || ((estimated_[i / 64] >> (i % 64)) & 1U) != 0);
   }
 
   static std::uint8_t class_of(float magnitude) {
@@ -131,7 +136,7 @@ std::size_t orientation_bytes(std::uint32_t points) {
 Expected<std::uint32_t> orient_normals(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated,
                                        Arena& arena, const StageProgress& progress) {
   const ArenaScope scope(arena);
-  return Orientation(cloud, tree, estimated, arena, progress).run();
+  return NormalTurning(cloud, tree, estimated, arena, progress).run();
 }
 
 }  // namespace plumbline

@@ -33,7 +33,8 @@ std::size_t orientation_bytes(std::uint32_t points);
 /// outside is taken for the outside of a dome. A scan's own normals are better; see estimate_normals().
 ///
 /// @param cloud      in the order of `tree`; radius[i]^2 pi is the area of point i
-/// @param estimated  bit i % 64 of word i / 64: normal i may be turned over. The others are right. Empty: none is
+/// @param estimated  bit i % 64 of word i / 64: normal i may be turned over. The others are right, as are those of points of which it is known
+///                   from where they were seen. Empty: none is
 /// @returns normals turned over
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<std::uint32_t> orient_normals(Cloud& cloud, const KdTree3& tree,

@@ -6,8 +6,10 @@
 
 #include "slicer/cloud/tangent_plane.hpp"
 #include "slicer/core/loop_progress.hpp"
+#include "slicer/normals/false_scanners.hpp"
 #include "slicer/normals/flipped_normals.hpp"
 #include "slicer/normals/normal_orientation.hpp"
+#include "slicer/normals/seen_sides.hpp"
 
 namespace plumbline {
 namespace {
@@ -62,8 +64,8 @@ std::size_t normals_bytes(std::uint32_t points) {
   return std::max(orientation_bytes(points) + (points + 7) / 8, flipped_normals_bytes(points));
 }
 
-Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress,
-                                         NormalSides sides) {
+Expected<NormalCounts> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress,
+                                        NormalSides sides) {
   const ArenaScope scope(arena);
   const std::uint32_t size = cloud.size;
   const std::uint32_t words = (size + 63) / 64;
@@ -85,21 +87,24 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
       const auto normal = planes.normal();
       if (own.known()) word |= std::uint64_t{1} << (i % 64);
       if (!normal || (own.known() && std::abs(own.unpack().dot(*normal)) >= kSplatAgrees)) continue;
-      cloud.normal[i].set(*normal);
+      cloud.normal[i].set(seen_normal(cloud, tree, i, *normal, planes.points()));
       word |= std::uint64_t{1} << (i % 64);
       ++filled;
     }
     estimated[w] = word;
   }
   if (estimating.stopped()) return fail(ErrorCode::kCancelled, "cancelled while estimating normals");
+  const auto turned = face_scanners(cloud, tree, estimated, arena);
+  PLUMBLINE_TRY(turned);
   if (filled > 0 || sides == NormalSides::kUnknown) {
     PLUMBLINE_TRY(orient_normals(cloud, tree, estimated, arena, progress.part(0.7, 1)));
   }
-  return filled;
+  return NormalCounts{.estimated = filled, .turned = *turned};
 }
 
 Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress,
                                         NormalSides sides) {
+  forget_false_scanners(cloud, tree);
   const auto normals = cloud.normal.first(cloud.size);
   const auto missing = static_cast<std::uint32_t>(
       std::count_if(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); }));
@@ -108,12 +113,19 @@ Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena
   if (missing > 0 || sides == NormalSides::kUnknown) {
     const auto estimated = estimate_normals(cloud, tree, arena, progress.part(0, 0.7), sides);
     PLUMBLINE_TRY(estimated);
-    counts.estimated = *estimated;
+    counts = *estimated;
+  } else {
+    const auto turned = face_scanners(cloud, tree, {}, arena);
+    PLUMBLINE_TRY(turned);
+    counts.turned = *turned;
   }
   if (missing == cloud.size || sides == NormalSides::kUnknown) return counts;
-  auto turned = turn_flipped_normals(cloud, tree, arena, missing > 0 ? progress.part(0.7, 1) : progress);
-  if (turned) turned->estimated = counts.estimated;
-  return turned;
+  auto flipped = turn_flipped_normals(cloud, tree, arena, missing > 0 ? progress.part(0.7, 1) : progress);
+  if (flipped) {
+    flipped->estimated = counts.estimated;
+    flipped->turned += counts.turned;
+  }
+  return flipped;
 }
 
 }  // namespace plumbline

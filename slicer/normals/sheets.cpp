@@ -59,12 +59,12 @@ std::int64_t to_units(float value) {
   return static_cast<std::int64_t>(std::clamp(value, -kMostEvidence, kMostEvidence) * static_cast<float>(kUnit));
 }
 /// Mean of a sum of evidence over a sheet's samples.
-double mean(const Sheet& sheet, std::int64_t units) {
+double mean(const NormalSheet& sheet, std::int64_t units) {
   return static_cast<double>(units) / (std::max(1.0, static_cast<double>(sheet.samples)) * kUnit);
 }
 /// Whether neighbours in other sheets face the other side along a part of its rim. A patch that was turned over in the middle of a
 /// surface has several such pairs for each point of its rim; points on the other face of a thin wall are a few by chance.
-bool contradicts_neighbours(const Sheet& sheet) {
+bool contradicts_neighbours(const NormalSheet& sheet) {
   return static_cast<float>(2 * sheet.contradictions) > std::sqrt(static_cast<float>(sheet.points));
 }
 /// Hashes an index, so that samples don't follow the order of the tree (Knuth's multiplicative hash, 2^32 / golden ratio).
@@ -82,7 +82,7 @@ float join_weight(const Cloud& cloud, std::uint32_t i, std::uint32_t j) {
 }
 
 std::size_t Sheets::bytes_needed(std::uint32_t points) {
-  return sizeof(DipoleField::Node) * DipoleField::nodes_needed(points) + sizeof(Sheet) * sheets_at_most(points);
+  return sizeof(DipoleField::Node) * DipoleField::nodes_needed(points) + sizeof(NormalSheet) * sheets_at_most(points);
 }
 
 Expected<float> Sheets::limit_areas(Cloud& cloud, Arena& arena) {
@@ -108,16 +108,16 @@ Expected<NormalCounts> Sheets::turn(FirstSide first, Stays stays) {
   DipoleField field(cloud_, *nodes);
   find_sides(field, first);
   field.build(sides());
-  if (first == FirstSide::kLargest && first_is_inside_out(field)) {
+  if (first == FirstSide::kLargest && !any_known_ && first_is_inside_out(field)) {
     counts_.inside_out = true;
-    for (Sheet& sheet : sheets_) sheet.side = 0;
+    for (NormalSheet& sheet : sheets_) sheet.side = 0;
     sheets_[0].side = -1;
     find_other_sides(field);
     field.build(sides());
   }
   turn_loose_points(field, stays);
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-    const Sheet* sheet = sheet_of(i);
+    const NormalSheet* sheet = sheet_of(i);
     if (sheet == nullptr || sets_.fixed(i)) continue;
     const bool inward = sheet->side < 0;
     if (inward) cloud_.normal[i].turn_over();
@@ -136,14 +136,14 @@ Status Sheets::list() {
     sets_.set_value(i, kNoSheet);
   }
   sheets_ = sheets_.first(count);
-  std::sort(sheets_.begin(), sheets_.end(), [](const Sheet& a, const Sheet& b) {
+  std::sort(sheets_.begin(), sheets_.end(), [](const NormalSheet& a, const NormalSheet& b) {
     return a.points != b.points ? a.points > b.points : a.root < b.root;
   });
   for (std::uint32_t s = 0; s < count; ++s) sets_.set_value(sheets_[s].root, s);
   return {};
 }
 
-Sheet* Sheets::sheet_of(std::uint32_t i) const {
+NormalSheet* Sheets::sheet_of(std::uint32_t i) const {
   const std::uint32_t s = sets_.value(sets_.look(i).root);
   return s == kNoSheet ? nullptr : &sheets_[s];
 }
@@ -157,7 +157,7 @@ double Sheets::area(std::uint32_t i) const {
 void Sheets::measure() {
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
     const bool turned = sets_.find(i).turned;
-    Sheet* sheet = sheet_of(i);
+    NormalSheet* sheet = sheet_of(i);
     if (sheet == nullptr) continue;
     if (sets_.fixed(i)) {
       sheet->votes += turned ? -1 : 1;
@@ -168,11 +168,11 @@ void Sheets::measure() {
     sheet->centroid += area(i) * cloud_.position[i].cast<double>();
   }
   if (rule_ == FirstSide::kLargest) count_contradictions();
-  for (Sheet& sheet : sheets_) {
+  for (NormalSheet& sheet : sheets_) {
     if (sheet.area > 0) sheet.centroid /= sheet.area;
   }
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-    Sheet* sheet = sheet_of(i);
+    NormalSheet* sheet = sheet_of(i);
     if (sheet == nullptr) continue;
     const Vec3d from_centre = cloud_.position[i].cast<double>() - sheet->centroid;
     sheet->flux += area(i) * cloud_.normal[i].unpack().cast<double>().dot(from_centre);
@@ -183,11 +183,11 @@ void Sheets::measure() {
 /// Counts how many neighbours in other sheets contradict each sheet.
 void Sheets::count_contradictions() {
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-    Sheet* sheet = sheet_of(i);
+    NormalSheet* sheet = sheet_of(i);
     if (sheet == nullptr) continue;
     const float reach = kBeside * cloud_.radius[i];
     for (std::uint32_t j = i + 1; j <= i + kFollowers && j < cloud_.size; ++j) {
-      Sheet* other = sheet_of(j);
+      NormalSheet* other = sheet_of(j);
       if (other == nullptr || other == sheet) continue;
       const Vec3f d = cloud_.position[j] - cloud_.position[i];
       if (d.dot(d) > reach * reach) continue;
@@ -202,28 +202,27 @@ void Sheets::count_contradictions() {
 /// Weight of point i in the field of the oriented sheets: 1, -1, or 0 while its side is unknown.
 float Sheets::side(std::uint32_t i) const {
   if (sets_.fixed(i)) return cloud_.normal[i].known() ? 1.0F : 0.0F;
-  const Sheet* sheet = sheet_of(i);
+  const NormalSheet* sheet = sheet_of(i);
   return sheet == nullptr ? 0.0F : sheet->side;
 }
 
 /// Finds the side of every sheet, the largest first.
 void Sheets::find_sides(DipoleField& field, FirstSide rule) {
-  bool any_known = false;
-  for (std::uint32_t i = 0; i < cloud_.size && !any_known; ++i) {
-    any_known = sets_.fixed(i) && cloud_.normal[i].known();
+  for (std::uint32_t i = 0; i < cloud_.size && !any_known_; ++i) {
+    any_known_ = sets_.fixed(i) && cloud_.normal[i].known();
   }
-  for (Sheet& sheet : sheets_) {
+  for (NormalSheet& sheet : sheets_) {
     if (sheet.votes != 0) sheet.side = sheet.votes > 0 ? 1 : -1;
   }
-  const bool convex = rule == FirstSide::kKnownOrConvex && !any_known;
+  const bool convex = rule == FirstSide::kKnownOrConvex && !any_known_;
   if (!sheets_.empty()) {
-    if (rule == FirstSide::kLargest) sheets_[0].side = 1;
+    if (rule == FirstSide::kLargest && !any_known_) sheets_[0].side = 1;
     if (convex) sheets_[0].side = sheets_[0].flux < 0 ? -1 : 1;
   }
   find_other_sides(field);
   // The largest sheet may be flat, and its side a guess. The flux of all sheets corrects it.
   if (convex && total_flux() < 0) {
-    for (Sheet& sheet : sheets_) sheet.side = -sheet.side;
+    for (NormalSheet& sheet : sheets_) sheet.side = -sheet.side;
   }
 }
 
@@ -242,15 +241,17 @@ void Sheets::find_other_sides(DipoleField& field) {
 }
 
 /// Finds the sides of those sheets that the field of the known ones tells clearly; if it tells none clearly, of all.
-void Sheets::find_sides_by_field(const DipoleField& field, std::span<Sheet> sheets) {
+void Sheets::find_sides_by_field(const DipoleField& field, std::span<NormalSheet> sheets) {
   sample(field, sheets, kSheetSamples);
-  const auto evidence = [](const Sheet& sheet) {
+  const auto evidence = [](const NormalSheet& sheet) {
     const double bulge = sheet.reach > 0 ? sheet.flux / sheet.reach : 0;
     return bulge * (1 - 2 * mean(sheet, sheet.winding)) + mean(sheet, sheet.slope);
   };
-  const auto clear = [&](const Sheet& sheet) { return sheet.side == 0 && std::abs(evidence(sheet)) >= kClearEvidence; };
+  const auto clear = [&](const NormalSheet& sheet) {
+    return sheet.side == 0 && std::abs(evidence(sheet)) >= kClearEvidence;
+  };
   const double least = std::any_of(sheets.begin(), sheets.end(), clear) ? kClearEvidence : 0;
-  for (Sheet& sheet : sheets) {
+  for (NormalSheet& sheet : sheets) {
     if (sheet.side != 0 || std::abs(evidence(sheet)) < least) continue;
     const bool stays = rule_ == FirstSide::kLargest && !counts_.inside_out && !contradicts_neighbours(sheet);
     sheet.side = evidence(sheet) < (stays ? -kAloneEvidence : 0) ? -1 : 1;
@@ -258,15 +259,15 @@ void Sheets::find_sides_by_field(const DipoleField& field, std::span<Sheet> shee
 }
 
 /// Evaluates the field at some points of each of the given sheets, `most` at most, but for those whose side is known by votes.
-void Sheets::sample(const DipoleField& field, std::span<Sheet> sheets, std::uint32_t most) {
-  for (Sheet& sheet : sheets) {
+void Sheets::sample(const DipoleField& field, std::span<NormalSheet> sheets, std::uint32_t most) {
+  for (NormalSheet& sheet : sheets) {
     sheet.winding = sheet.slope = 0;
     sheet.samples = 0;
   }
 #pragma omp parallel for schedule(dynamic, 1024)
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
     if (sets_.fixed(i)) continue;
-    Sheet* sheet = sheet_of(i);
+    NormalSheet* sheet = sheet_of(i);
     if (sheet == nullptr || sheet->votes != 0 || sheet < sheets.data() || sheet >= sheets.data() + sheets.size()) {
       continue;
     }
@@ -323,7 +324,7 @@ void Sheets::turn_loose_points(const DipoleField& field, Stays stays) {
 double Sheets::total_flux() const {
   Vec3d centroid = Vec3d::Zero();
   double total = 0;
-  for (const Sheet& sheet : sheets_) {
+  for (const NormalSheet& sheet : sheets_) {
     centroid += sheet.area * sheet.centroid;
     total += sheet.area;
   }

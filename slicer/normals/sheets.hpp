@@ -15,7 +15,7 @@
 namespace plumbline {
 
 /// A set of connected points whose sides are known relative to each other.
-struct Sheet {
+struct NormalSheet {
   std::uint32_t root = 0;
   std::uint32_t points = 0;
   std::int32_t votes = 0;     ///< known normals that agree, minus those that do not
@@ -43,7 +43,7 @@ float join_weight(const Cloud& cloud, std::uint32_t i, std::uint32_t j);
 /// How the side of the first sheet is chosen, before there is a field.
 enum class FirstSide : std::uint8_t {
   kKnownOrConvex,  ///< by votes of the fixed members; without any, the convex side of the largest sheet is the outer one
-  kLargest,        ///< the largest sheet is right, unless it is inside out
+  kLargest,        ///< the largest sheet is right, unless it is inside out; by votes if there are fixed members
 };
 
 /// The sheets of joined points, the largest first. The area of point i is pi radius[i]^2.
@@ -71,7 +71,7 @@ class Sheets {
 
  private:
   Status list();
-  Sheet* sheet_of(std::uint32_t i) const;
+  NormalSheet* sheet_of(std::uint32_t i) const;
   double area(std::uint32_t i) const;
   void measure();
   void count_contradictions();
@@ -81,8 +81,8 @@ class Sheets {
   }
   void find_sides(DipoleField& field, FirstSide rule);
   void find_other_sides(DipoleField& field);
-  void find_sides_by_field(const DipoleField& field, std::span<Sheet> sheets);
-  void sample(const DipoleField& field, std::span<Sheet> sheets, std::uint32_t most);
+  void find_sides_by_field(const DipoleField& field, std::span<NormalSheet> sheets);
+  void sample(const DipoleField& field, std::span<NormalSheet> sheets, std::uint32_t most);
   bool first_is_inside_out(const DipoleField& field);
   bool is_height_field() const;
   void turn_loose_points(const DipoleField& field, Stays stays);
@@ -91,8 +91,9 @@ class Sheets {
   Cloud& cloud_;
   SidedSets& sets_;
   Arena& arena_;
-  std::span<Sheet> sheets_;
+  std::span<NormalSheet> sheets_;
   NormalCounts counts_;
+  bool any_known_ = false;                ///< a normal is fixed
   FirstSide rule_ = FirstSide::kLargest;  ///< kLargest: the normals are those of the scan
 };
 

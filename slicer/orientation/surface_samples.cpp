@@ -11,8 +11,8 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "orientation";
-constexpr std::uint32_t kMostPoints = 1U << 17U;
-constexpr std::uint32_t kSlots = 1U << 14U;  ///< of the table; surfaces fill some 7,000
+constexpr std::uint32_t kMostSampled = 1U << 17U;
+constexpr std::uint32_t kSampleSlots = 1U << 14U;  ///< of the table; surfaces fill some 7,000
 // Cells along the longest side: so many that a patch has about ten points.
 constexpr float kPointsPerCell2 = 48;
 constexpr float kFewestCells = 12;
@@ -41,21 +41,21 @@ float SurfaceSamples::hole_share() const { return area > 0 ? std::sqrt(hole.dot(
 
 std::size_t sample_surface_bytes(std::uint32_t points) {
   return std::max(Arena::rounded(sizeof(float) * std::size_t{points}),  // core_bounds()
-                  Arena::rounded(kSlots * sizeof(Cell)) + Arena::rounded(kSlots * sizeof(SurfaceSample)));
+                  Arena::rounded(kSampleSlots * sizeof(Cell)) + Arena::rounded(kSampleSlots * sizeof(SurfaceSample)));
 }
 
 Expected<SurfaceSamples> sample_surface(const Cloud& cloud, Arena& arena) {
   const auto core = core_bounds(cloud.positions(), arena);
   PLUMBLINE_TRY(core);
-  const auto slots = arena.take_top<Cell>(kSlots, kStage);
+  const auto slots = arena.take_top<Cell>(kSampleSlots, kStage);
   PLUMBLINE_TRY(slots);
-  const auto patches = arena.take_top<SurfaceSample>(kSlots, kStage);
+  const auto patches = arena.take_top<SurfaceSample>(kSampleSlots, kStage);
   PLUMBLINE_TRY(patches);
   const float longest = std::max(core->size().maxCoeff(), 1e-12F);
   Box3f reach;
   reach.extend(core->low - Vec3f::Constant(kAround * longest));
   reach.extend(core->high + Vec3f::Constant(kAround * longest));
-  const std::uint32_t step = cloud.size / kMostPoints + 1;
+  const std::uint32_t step = cloud.size / kMostSampled + 1;
   const float count = static_cast<float>(cloud.size) / static_cast<float>(step);
   const CellTable<Cell, &Cell::key> table(*slots);
   SurfaceSamples samples;
@@ -68,7 +68,7 @@ Expected<SurfaceSamples> sample_surface(const Cloud& cloud, Arena& arena) {
     table.clear();
     occupied = 0;
     inside = 0;
-    for (std::uint32_t i = 0; i < cloud.size && occupied <= kSlots * 2 / 3; i += step) {
+    for (std::uint32_t i = 0; i < cloud.size && occupied <= kSampleSlots * 2 / 3; i += step) {
       const Vec3f& p = cloud.position[i];
       const bool near = (p.array() > reach.low.array()).all() && (p.array() < reach.high.array()).all();
       if (!near || !cloud.normal[i].known()) continue;
@@ -84,12 +84,12 @@ Expected<SurfaceSamples> sample_surface(const Cloud& cloud, Arena& arena) {
       table[at].position += p;
       table[at].normal += n;
     }
-    if (occupied <= kSlots * 2 / 3) break;
+    if (occupied <= kSampleSlots * 2 / 3) break;
   }
   const float average = static_cast<float>(inside) / static_cast<float>(std::max(1U, occupied));
   std::size_t used = 0;
   double area = 0;
-  for (std::uint32_t i = 0; i < kSlots; ++i) {
+  for (std::uint32_t i = 0; i < kSampleSlots; ++i) {
     const Cell& cell = table[i];
     const auto points = static_cast<float>(cell.points);
     const float length = std::sqrt(cell.normal.dot(cell.normal));

@@ -21,7 +21,7 @@ struct SurfaceSample {
 
 /// All patches, and what of a closed surface is missing.
 struct SurfaceSamples {
-  std::span<const SurfaceSample> patches;  ///< at least one
+  std::span<const SurfaceSample> patches;  ///< none: no point has a normal
   float cell = 0;                          ///< side of a patch
   float area = 0;                          ///< of all patches
   /// Outward normal times area of the hole: the area vectors of a closed surface sum to zero, so it is minus their sum.
@@ -35,7 +35,7 @@ std::size_t sample_surface_bytes(std::uint32_t points);
 
 /// Sorts at most 131,072 points into cells, a patch for each way that the surface in a cell faces. The area of a patch with
 /// normal n is that of a plane in a cell on average, cell^2 / (|n_x| + |n_y| + |n_z|). Cells with few points are left out.
-/// @param cloud  at least one point with a normal; classes are not used
+/// @param cloud  at least one point; classes are not used
 /// @param arena  the patches stay at its top, with sample_surface_bytes() of work space
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Expected<SurfaceSamples> sample_surface(const Cloud& cloud, Arena& arena);

@@ -14,8 +14,8 @@ constexpr float kMostCells = 64;
 constexpr float kFewestCells = 8;
 constexpr float kPointsPerCell2 = 48;  ///< points over cells squared; a sphere of n cells has 1.5 pi n^2 on its surface
 constexpr float kFewest = 4;           ///< points of a cell
-constexpr std::uint32_t kAverageShare = 16;  ///< a cell with fewer than the average over this holds no surface
-constexpr std::uint32_t kSlots = 1U << 15U;  ///< of the table; surfaces fill some 10,000
+constexpr std::uint32_t kAverageShare = 16;      ///< a cell with fewer than the average over this holds no surface
+constexpr std::uint32_t kCoreSlots = 1U << 15U;  ///< of the table; surfaces fill some 10,000
 
 }  // namespace
 
@@ -39,7 +39,7 @@ Expected<Box3f> core_bounds(std::span<const Vec3f> points, Arena& arena) {
 
 Expected<Box3f> dense_bounds(std::span<const Vec3f> points, const Box3f& core, Arena& arena) {
   const ArenaScope scope(arena);
-  const auto slots = arena.take_top<CellPieces::Cell>(kSlots, "reading the scan");
+  const auto slots = arena.take_top<CellPieces::Cell>(kCoreSlots, "reading the scan");
   PLUMBLINE_TRY(slots);
   Box3f all;
   for (const Vec3f& p : points) all.extend(p);
@@ -60,12 +60,12 @@ Expected<Box3f> dense_bounds(std::span<const Vec3f> points, const Box3f& core, A
   }
   const std::size_t share = points.size() / (std::size_t{kAverageShare} * pieces.occupied());
   pieces.join(std::max(kFewest, static_cast<float>(share)));
-  std::uint32_t largest = kSlots;
-  for (std::uint32_t i = 0; i < kSlots; ++i) {
+  std::uint32_t largest = kCoreSlots;
+  for (std::uint32_t i = 0; i < kCoreSlots; ++i) {
     if (!pieces.is_piece(i)) continue;
-    if (largest == kSlots || pieces.amount(i) > pieces.amount(largest)) largest = i;
+    if (largest == kCoreSlots || pieces.amount(i) > pieces.amount(largest)) largest = i;
   }
-  if (largest == kSlots || pieces.amount(largest) < kFewest) return all;
+  if (largest == kCoreSlots || pieces.amount(largest) < kFewest) return all;
   Box3f box;
   for (const Vec3f& p : points) {
     if (inside(p) && pieces.piece_of(p) == largest) box.extend(p);

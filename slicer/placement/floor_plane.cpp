@@ -29,11 +29,11 @@ constexpr float kLeastHeight = 0.25F;  ///< of the object's larger horizontal si
 constexpr std::size_t kBins = 512;     ///< of the histogram of heights
 constexpr std::uint32_t kSide = 32;    ///< cells of the map of the floor, each way
 
-struct Side {
+struct RectangleSide {
   float low = 0, high = 0;
   float length() const { return high - low; }
 };
-using Rectangle = std::array<Side, 2>;
+using Rectangle = std::array<RectangleSide, 2>;
 
 /// Numbers of a sample of points, kSample at most.
 class Sample {
@@ -41,7 +41,7 @@ class Sample {
   void add(float x) { numbers_[count_++] = x; }
   std::size_t count() const { return count_; }
   /// The range of all but one in `share` numbers at either end, which may be of flying points. Not of an empty sample.
-  Side most(std::size_t share = 200) {
+  RectangleSide most(std::size_t share = 200) {
     std::sort(numbers_.begin(), numbers_.begin() + static_cast<std::ptrdiff_t>(count_));
     return {numbers_[count_ / share], numbers_[count_ - 1 - count_ / share]};
   }
@@ -272,7 +272,7 @@ class FloorSearch {
   float margin_;
   std::uint32_t step_;  ///< from one point of a sample to the next
   bool sides_known_;
-  Side heights_;
+  RectangleSide heights_;
   FloorPlane plane_;
 };
 

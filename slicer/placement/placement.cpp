@@ -146,17 +146,23 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
     const Vec3d room(static_cast<double>(v.columns - 2) * static_cast<double>(v.pitch_x_mm),
                      static_cast<double>(v.rows - 2) * static_cast<double>(v.pitch_y_mm),
                      whole_layers(v.travel_mm, settings.layer_height_mm) * lh);
-    // On a panel too small for that room, the object has half of the panel.
+    const auto largest_in = [&extent](const Vec3d& space) {
+      double largest = 1e30;
+      for (int a = 0; a < 3; ++a) {
+        if (extent[a] > 0) largest = std::min(largest, space[a] / extent[a]);
+      }
+      return largest;
+    };
+    // What is chosen or proposed here causes no finding at the panel's edge. On a panel too small for that room, the object has half of it.
     const PlacementRoom& kept = settings.room;
-    const Vec3d free =
-        settings.fit ? (room - Vec3d(2 * kept.beside_mm, 2 * kept.beside_mm, kept.below_mm)).cwiseMax(room / 2) : room;
-    double largest = 1e30;
-    for (int a = 0; a < 3; ++a) {
-      if (extent[a] > 0) largest = std::min(largest, free[a] / extent[a]);
-    }
+    const double beyond = 2 * (kEdgeMargin - 1);
+    const Vec3d clear =
+        room - Vec3d(beyond * static_cast<double>(v.pitch_x_mm), beyond * static_cast<double>(v.pitch_y_mm), 0);
+    const auto half_at_least = [&room](const Vec3d& space) { return Vec3d(space.cwiseMax(room / 2)); };
+    const double proposed = largest_in(half_at_least(clear));
     if (settings.fit) {
-      factor = largest * kClear;
-    } else if (factor > largest) {
+      factor = largest_in(half_at_least(clear - Vec3d(2 * kept.beside_mm, 2 * kept.beside_mm, kept.below_mm))) * kClear;
+    } else if (factor > largest_in(room)) {
       static constexpr std::array kAxes = {std::tuple("wide (x)", ToldCode::kTooWide, Fact::kWidthMm),
                                            std::tuple("deep (y)", ToldCode::kTooDeep, Fact::kDepthMm),
                                            std::tuple("high (z)", ToldCode::kTooHigh, Fact::kHeightMm)};
@@ -175,7 +181,7 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
                "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much.\tUse --%s %.4g%s "
                "or less, --fit, or rotate it",
                extent[worst] * factor, axis, room[worst], extent[worst] * factor - room[worst], option,
-               rounded_down(largest * kClear * least), settings.size ? "mm" : ""));
+               rounded_down(proposed * kClear * least), settings.size ? "mm" : ""));
     }
     p.size_mm = extent * factor;
     p.grid.layers = cells(p.size_mm[2], lh);

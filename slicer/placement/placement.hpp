@@ -50,6 +50,9 @@ struct PlacementRoom {
   double beside_mm = 0, below_mm = 0;
 };
 
+/// Pixels beside a fitted object that stay free, as the check for the panel's edge wants (CheckLimits::bound_margin).
+inline constexpr std::uint32_t kEdgeMargin = 5;
+
 struct PlacementSettings {
   Units units = Units::kMillimetres;
   double scale = 1;                        ///< of the printed object to the scanned one

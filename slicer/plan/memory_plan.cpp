@@ -6,6 +6,8 @@
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
+#include "slicer/cloud/outliers.hpp"
+#include "slicer/cloud/proof_sample.hpp"
 #include "slicer/cloud/thinning.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/numbers/mib.hpp"
@@ -19,11 +21,9 @@
 #include "slicer/rrep/confidence.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
-#include "slicer/surface/bores/bore_walls.hpp"
 #include "slicer/surface/clustering.hpp"
 #include "slicer/surface/stray_pieces.hpp"
-#include "slicer/surface/support_size.hpp"
-#include "slicer/views/align_views.hpp"
+#include "slicer/views/registration.hpp"
 
 namespace plumbline {
 namespace {
@@ -70,10 +70,7 @@ std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const Ray
                            sorted + layer_features_bytes(grid));
 }
 
-std::size_t views_stage_bytes(const ViewAlignment& found, std::uint32_t points, std::size_t tree,
-                              std::uint32_t threads) {
-  return kSlack + tree + align_views_bytes(found, points, threads);
-}
+std::size_t views_stage_bytes(std::uint32_t views) { return kSlack + register_views_bytes(views); }
 
 std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts) {
   return kSlack + MaskStream::bytes_needed(grid, struts) + StackChecker::bytes_needed(grid);
@@ -99,6 +96,10 @@ std::uint32_t ray_points_in(std::size_t bytes) {
   return static_cast<std::uint32_t>(std::min<std::size_t>(leaves * kLeaf, 2 * kMostPoints));
 }
 
+std::size_t kept_bytes(std::uint32_t points, std::uint32_t layers, bool confidence) {
+  return proof_bytes(points) + (confidence ? ConfidenceMap::bytes_needed(layers) : 0);
+}
+
 MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& grid, std::uint32_t threads,
                        const PlanEvidence& evidence) {
   MemoryPlan plan;
@@ -106,43 +107,41 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const auto set = [&](Stage stage, std::size_t bytes) {
     plan.bytes[static_cast<std::size_t>(stage)] = bytes + kSlack;
   };
-  const std::uint32_t room = points + Cloud::spare(points);
-  const std::size_t cloud = Cloud::kBytesPerPoint * std::size_t{room};
+  const std::size_t cloud = Cloud::kBytesPerSeenPoint * std::size_t{points};
   const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
   const auto reader =
       static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch) + evidence.kept_bytes);
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
   set(Stage::kNormals, cloud + tree + std::max(normals_bytes(points), sample_surface_bytes(points)));
-  set(Stage::kTrees, cloud + tree);
-  set(Stage::kViews, cloud + tree + align_views_bytes(points, threads));
+  set(Stage::kTrees, cloud + tree + outliers_bytes(points));
+  set(Stage::kViews, cloud + tree + register_views_bytes(evidence.views));
   set(Stage::kClustering,
-      cloud + tree +
-          std::max({clustering_bytes(points), sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
-                    support_size_bytes(threads), bore_walls_bytes(points)}));
+      cloud + tree + proof_bytes(points) +
+          std::max({clustering_bytes(points), sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points)}));
   std::size_t store = 0;
   // Without a grid the number of layers is unknown, but the cells take most of the map.
-  const std::size_t map = evidence.confidence ? ConfidenceMap::bytes_needed(grid ? grid->layers : 0) : 0;
+  const std::size_t kept = kept_bytes(points, grid ? grid->layers : 0, evidence.confidence);
   if (grid) {
     // While rays are shot, points share the arena with the crossings, so more of these mean fewer points. Afterwards all points
     // are gone, and what the crossings need can't be spared.
     store = store_bytes(*grid, evidence.yield.value_or(expected_yield(*grid, kCrossingsPerRay)));
     const RayYield yield = evidence.yield.value_or(expected_yield(*grid, kFewestCrossingsPerRay));
     const std::size_t sorted = rrep_bytes(*grid, yield);
-    set(Stage::kRRep, map + rrep_stage_bytes(*grid, store_bytes(*grid, yield), yield));
+    set(Stage::kRRep, kept + rrep_stage_bytes(*grid, store_bytes(*grid, yield), yield));
     const std::uint32_t struts = most_struts(*grid);
-    set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
-    set(Stage::kLayers, map + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts));
+    set(Stage::kSupports, kept + sorted + find_supports_bytes(*grid));
+    set(Stage::kLayers, kept + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts));
   }
-  const std::size_t workers = threads * ray_worker_bytes(tile_capacity(evidence.ray_points.value_or(room)));
-  const std::size_t shooting = kSlack + map + store + workers;
+  const std::size_t workers = threads * ray_worker_bytes(tile_capacity(evidence.ray_points.value_or(points)));
+  const std::size_t shooting = kSlack + kept + store + workers;
   const std::uint32_t ray_points = evidence.ray_points.value_or(
       std::clamp(ray_points_in(evidence.arena_bytes - std::min(evidence.arena_bytes, shooting)),
-                 static_cast<std::uint32_t>(kLeastJoined * room), room));
+                 static_cast<std::uint32_t>(kLeastJoined * points), points));
   const std::size_t radii = Arena::rounded(sizeof(float) * std::min(points, kMedianSample));
-  set(Stage::kWindingTree, map + std::max(cloud + radii, Cloud::kBytesPerPoint * std::size_t{ray_points} +
-                                                             WindingTree::bytes_needed(ray_points)));
-  set(Stage::kRayGrid, map + ray_points_bytes(ray_points));
-  set(Stage::kRays, map + ray_points_bytes(ray_points) + store + workers);
+  set(Stage::kWindingTree, kept + std::max(cloud + radii, Cloud::kBytesPerPoint * std::size_t{ray_points} +
+                                                              WindingTree::bytes_needed(ray_points)));
+  set(Stage::kRayGrid, kept + ray_points_bytes(ray_points));
+  set(Stage::kRays, kept + ray_points_bytes(ray_points) + store + workers);
   return plan;
 }
 

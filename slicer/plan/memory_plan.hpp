@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "slicer/cloud/cloud.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/progress.hpp"
@@ -34,13 +35,15 @@ std::size_t store_bytes(const PrintGrid& grid, const RayYield& yield);
 /// Bytes of the R-Rep: four a crossing, four a layer.
 std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield);
 
-/// Bytes of the stage that makes the R-Rep of a scan, without the map.
+/// Bytes that stay below the R-Rep of a scan: points for its proof, and the map of evidence.
+/// @param points  of the cloud after reading
+std::size_t kept_bytes(std::uint32_t points, std::uint32_t layers, bool confidence);
+
+/// Bytes of the stage that makes the R-Rep of a scan, without kept_bytes().
 /// @param store  bytes of the crossing store
 std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield);
-/// Bytes of the views' stage beside the cloud.
-/// @param tree  bytes of the tree
-std::size_t views_stage_bytes(const ViewAlignment& found, std::uint32_t points, std::size_t tree,
-                              std::uint32_t threads);
+/// Bytes of the views' stage beside cloud and tree.
+std::size_t views_stage_bytes(std::uint32_t views);
 /// Bytes that making and checking the masks takes beside map, R-Rep and supports.
 std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts);
 
@@ -66,6 +69,7 @@ std::uint32_t ray_points_in(std::size_t bytes);
 struct PlanEvidence {
   std::uint64_t reader_bytes = 0;  ///< ScanHeader::reader_bytes, the largest of the scan's files
   std::uint64_t kept_bytes = 0;    ///< ScanAnnouncement::kept_bytes
+  std::uint32_t views = kRuns;     ///< ScanAnnouncement::most_views
   bool confidence = false;         ///< SliceSettings::confidence
   /// Points that are left when rays are shot: noise has gone and neighbours have been joined. Unknown: as many as the cloud or, if that
   /// is less, `arena_bytes` have room for, but at least kLeastJoined of the cloud's.

@@ -7,7 +7,6 @@
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/rays/ray_shooter.hpp"
-#include "slicer/rrep/confidence.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 
 namespace plumbline {
@@ -45,7 +44,10 @@ RayYield yield_of(const PlacedObject& object, double crossings) {
 MemoryPlan plan_of(const PlacedObject& object, const SeenSurface& seen) {
   const RayYield yield = yield_of(object, kPlannedShare * 2 * std::max(seen.entering, seen.exiting));
   return plan_memory(object.read_points, object.grid, object.threads,
-                     {.confidence = object.confidence, .ray_points = object.cloud.size, .yield = yield});
+                     {.views = object.cloud.views.count,
+                      .confidence = object.confidence,
+                      .ray_points = object.cloud.size,
+                      .yield = yield});
 }
 
 }  // namespace
@@ -63,16 +65,16 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
        {Stage::kWindingTree, Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
     planned_bytes[static_cast<std::size_t>(stage)] = plan.of(stage);
   }
-  // What the points and the map of evidence take is known by now.
-  const std::size_t map = object.confidence ? ConfidenceMap::bytes_needed(object.grid.layers) : 0;
-  planned_bytes[static_cast<std::size_t>(Stage::kRays)] += arena.used() - map - ray_points_bytes(object.cloud.size);
+  // What the points and the evidence take is known by now.
+  const std::size_t kept = kept_bytes(object.read_points, object.grid.layers, object.confidence);
+  planned_bytes[static_cast<std::size_t>(Stage::kRays)] += arena.used() - kept - ray_points_bytes(object.cloud.size);
   // A refusal counts only surface that the scan has seen.
   const RayYield sure = yield_of(object, kSureShare * (seen.entering + seen.exiting));
   const std::size_t shooting = arena.used() + object.threads * ray_worker_bytes(tile_capacity(object.cloud.size)) +
                                store_bytes(object.grid, sure);
-  const std::size_t sorting =
-      store_bytes(object.grid, sure) + rrep_bytes(object.grid, sure) + CrossingStore::row_room_bytes(object.grid) + map;
-  const std::size_t printing = map + rrep_bytes(object.grid, sure) + layers_stage_bytes(object.grid, 0);
+  const std::size_t sorting = store_bytes(object.grid, sure) + rrep_bytes(object.grid, sure) +
+                              CrossingStore::row_room_bytes(object.grid) + kept;
+  const std::size_t printing = kept + rrep_bytes(object.grid, sure) + layers_stage_bytes(object.grid, 0);
   const std::size_t need = std::max({shooting, sorting, printing});
   if (need <= arena.capacity()) return {};
   return telling(

@@ -174,10 +174,6 @@ void RayClassifier::emit(float depth, Evidence evidence, bool extrapolated) {
   crossings_[crossing_count_++] = {std::max(depth, floor_), evidence, extrapolated};
 }
 
-Evidence RayClassifier::evidence_of(float depth) const {
-  return gatherer_.continued(depth) ? Evidence::kWinding : Evidence::kMeasured;
-}
-
 bool RayClassifier::bisect_agreed(float x, float y, float end, float place, bool inside_at_end) {
   const auto inside = [&](float z) { return winding_.inside({x, y, z}); };
   if (inside(end) != inside_at_end || inside(place) == inside_at_end) return false;
@@ -206,7 +202,7 @@ void RayClassifier::cross_band(float x, float y, const RaySurface& surface, cons
   if (wrong_low && !turned) first += left_out(band.low, band.high, first, from);
   if (wrong_high && !turned) last -= left_out(band.high, band.low, last - 1, to);
   for (const Intersection& sheet : surface.intersections.subspan(first, last - first))
-    emit(sheet.depth, evidence_of(sheet.depth), sheet.off_centre > kExtrapolated);
+    emit(sheet.depth, Evidence::kMeasured, sheet.off_centre > kExtrapolated);
 }
 
 void RayClassifier::drop_thin_stretches() {

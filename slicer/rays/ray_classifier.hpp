@@ -116,7 +116,6 @@ class RayClassifier {
   bool bisect_agreed(float x, float y, float end, float place, bool inside_at_end);
   void cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to);
   void emit(float depth, Evidence evidence, bool extrapolated = false);
-  Evidence evidence_of(float depth) const;
   void drop_thin_stretches();
 
   RayGatherer gatherer_;

@@ -65,8 +65,7 @@ std::uint64_t depth_key(float depth, std::uint32_t index) {
 
 std::size_t RayGatherer::bytes_needed(std::uint32_t capacity) {
   return 2 * RayPoints::bytes_needed(capacity) + 3 * Arena::rounded((capacity + kLanes) * sizeof(float)) +
-         Arena::rounded(capacity * sizeof(std::uint32_t)) + Arena::rounded(capacity * sizeof(std::uint64_t)) +
-         Arena::rounded(capacity * sizeof(float));
+         Arena::rounded(capacity * sizeof(std::uint64_t)) + Arena::rounded(capacity * sizeof(float));
 }
 
 Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tree, std::uint32_t capacity,
@@ -83,7 +82,6 @@ Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tre
   for (std::span<float>* const column : {&gatherer.x_, &gatherer.y_, &gatherer.radius_}) {
     PLUMBLINE_TRY(arena.take_top(*column, capacity + kLanes, kStage));
   }
-  PLUMBLINE_TRY(arena.take_top(gatherer.index_, capacity, kStage));
   PLUMBLINE_TRY(arena.take_top(gatherer.chosen_, capacity, kStage));
   PLUMBLINE_TRY(arena.take_top(gatherer.half_chord_, capacity, kStage));
   return gatherer;
@@ -131,7 +129,6 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
     x_[t] = p[0];
     y_[t] = p[1];
     radius_[t] = radius;
-    index_[t] = i;
     tile_.add(0, 0, p[2], n.unpack(), 1.0F / (radius * radius), n.weight);
     tile_reach_ = std::max(tile_reach_, radius);
   }
@@ -151,8 +148,6 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
   c.size = count;
   c.reach = 0;
   nearest2_ = std::numeric_limits<float>::infinity();
-  continued_low_ = std::numeric_limits<float>::max();
-  continued_high_ = std::numeric_limits<float>::lowest();
   for (std::uint32_t j = 0; j < count; ++j) {
     const auto t = static_cast<std::uint32_t>(chosen_[j]);
     const float radius = radius_[t];
@@ -160,9 +155,6 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
     c.reach = std::max(c.reach, radius);
     nearest2_ = std::min(nearest2_, tile_.distance2[t]);
     c.copy(j, tile_, t);
-    if (index_[t] < cloud_->seen()) continue;
-    continued_low_ = std::min(continued_low_, c.depth[j] - radius);
-    continued_high_ = std::max(continued_high_, c.depth[j] + radius);
   }
   c.close();
   return c;

@@ -42,8 +42,6 @@ class RayGatherer {
   RayPoints points_near(float x, float y, float depth);
   /// Half the length of ray, mm, on which point j of the last points_of_ray() has weight.
   float half_chord(std::uint32_t j) const { return half_chord_[j]; }
-  /// Whether points of continued bore walls (Cloud::continued) have weight at that depth of the last ray, mm.
-  bool continued(float depth) const { return depth > continued_low_ && depth < continued_high_; }
 
  private:
   const Cloud* cloud_ = nullptr;
@@ -54,7 +52,6 @@ class RayGatherer {
   std::span<float> x_;
   std::span<float> y_;
   std::span<float> radius_;
-  std::span<std::uint32_t> index_;
   std::span<std::uint64_t> chosen_;  ///< tile points of a ray; while gathering, keys that sort them by depth
   std::span<float> half_chord_;
   RayPoints columns_;
@@ -62,8 +59,6 @@ class RayGatherer {
   float nearest2_ = 0;    ///< see nearest2()
   float tile_reach_ = 0;  ///< largest radius of the tile's points, mm
   bool thinned_ = false;
-  float continued_low_ = 0;  ///< mm
-  float continued_high_ = 0;
 };
 
 }  // namespace plumbline

@@ -16,9 +16,8 @@ namespace plumbline {
 /// What a crossing rests on.
 enum class Evidence : std::uint8_t {
   kMeasured,  ///< an intersection with the surface of the points
-  /// The winding number of the cloud, or a continued bore wall: the scan has nothing there or contradicts itself.
-  kWinding,
-  kBase,  ///< the base plane under an open underside
+  kWinding,   ///< the winding number of the cloud: the scan has nothing there or contradicts itself
+  kBase,      ///< the base plane under an open underside
 };
 inline constexpr std::size_t kEvidenceCount = 3;
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "slicer/core/numbers/mib.hpp"
 
@@ -51,6 +52,15 @@ Expected<CrossingStore::RowRoom> CrossingStore::take_row_room(Arena& arena) cons
   PLUMBLINE_TRY(arena.take_top(room.reads, tile_columns_, "R-Rep"));
   PLUMBLINE_TRY(arena.take_top(room.writes, tile_columns_, "R-Rep"));
   return room;
+}
+
+std::span<const std::uint16_t> CrossingStore::ray(std::uint32_t column, std::uint32_t row) const {
+  const std::uint32_t at = directory_[row / kTileSide * tile_columns_ + column / kTileSide];
+  if (at == kEmpty) return {};
+  const auto* const counts = reinterpret_cast<const std::uint8_t*>(&data_[at]);
+  const std::uint32_t number = row % kTileSide * kTileSide + column % kTileSide;
+  const std::uint32_t before = std::accumulate(counts, counts + number, 0U);
+  return data_.subspan(at + kRaysPerTile / 2 + before, counts[number]);
 }
 
 std::uint32_t CrossingStore::crossings() const {

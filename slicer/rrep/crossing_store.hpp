@@ -79,6 +79,9 @@ class CrossingStore {
   template <class Visit>
   void for_each_row(const RowRoom& room, Visit visit);
 
+  /// The crossings of the ray of a pixel.
+  std::span<const std::uint16_t> ray(std::uint32_t column, std::uint32_t row) const;
+
   std::size_t bytes() const { return directory_.size_bytes() + std::size_t{used_} * sizeof(std::uint16_t); }
   std::uint32_t crossings() const;  ///< of all rays
 

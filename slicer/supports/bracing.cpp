@@ -41,7 +41,7 @@ constexpr std::uint32_t kNone = ~0U;
 }  // namespace
 
 Bracing::Bracing(const SupportSettings& settings, double raft_mm, const Obstacles& obstacles, StrutList& list,
-                 std::span<Contact> contacts)
+                 std::span<StrutContact> contacts)
     : settings_(settings),
       raft_(raft_mm),
       px_(static_cast<double>(list.grid().pitch_x_mm)),

@@ -12,7 +12,7 @@
 namespace plumbline {
 
 /// A height at which something beside a pillar holds it.
-struct Contact {
+struct StrutContact {
   double z = 0;              ///< mm
   std::uint32_t next = ~0U;  ///< the pillar's next contact
 };
@@ -36,7 +36,7 @@ class Bracing {
 
   /// @param contacts  room for most_contacts()
   Bracing(const SupportSettings& settings, double raft_mm, const Obstacles& obstacles, StrutList& list,
-          std::span<Contact> contacts);
+          std::span<StrutContact> contacts);
 
   [[nodiscard]] Status brace_all();
 
@@ -70,7 +70,7 @@ class Bracing {
   double raft_, slope_, px_, py_, lh_, radius_;
   const Obstacles& obstacles_;
   StrutList& list_;
-  std::span<Contact> contacts_;
+  std::span<StrutContact> contacts_;
   std::size_t contact_count_ = 0;
   BraceCounts counts_;
 };

@@ -12,7 +12,7 @@ namespace plumbline {
 namespace {
 
 /// Of the layers above those that may be cut off, every fourth is measured.
-constexpr std::uint32_t kMeasured = 4;
+constexpr std::uint32_t kMeasuredLayers = 4;
 
 std::uint64_t pixels_in(ConstBitImage mask, const Window& window) {
   std::uint64_t sum = 0;
@@ -34,7 +34,7 @@ Expected<std::optional<Stand>> on_flat_layer(const RRep& rrep, Arena& arena) {
                                           std::max(0.0, rrep.grid.layers / kSunkShare - 0.5)));
   const auto candidates = static_cast<std::uint32_t>(most) + 1;
   std::uint64_t largest = 0;
-  for (std::uint32_t k = 0; k < rrep.grid.layers; k += kMeasured) {
+  for (std::uint32_t k = 0; k < rrep.grid.layers; k += kMeasuredLayers) {
     largest = std::max(largest, pixels_in(stream->mask(k), window));
   }
   const auto rise =

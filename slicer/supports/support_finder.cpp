@@ -42,7 +42,7 @@ struct Scratch {
   std::span<SpeckPixel> specks;
   std::span<Strut> struts;
   std::span<Pillar> pillars;
-  std::span<Contact> contacts;
+  std::span<StrutContact> contacts;
   std::span<double> nearest;
   std::span<std::uint32_t> to;
 
@@ -68,7 +68,7 @@ struct Scratch {
     const std::size_t most = most_tips(grid);
     return Arena::rounded(most * sizeof(Tip)) + Arena::rounded(kMostSpeckPixels * sizeof(SpeckPixel)) +
            Arena::rounded(most_struts(grid) * sizeof(Strut)) + Arena::rounded(kHelperShare * most * sizeof(Pillar)) +
-           Arena::rounded(kContactsPerTip * most * sizeof(Contact)) +
+           Arena::rounded(kContactsPerTip * most * sizeof(StrutContact)) +
            Arena::rounded(kHelperShare * most * sizeof(double)) +
            Arena::rounded(kHelperShare * most * sizeof(std::uint32_t));
   }

@@ -55,13 +55,12 @@ struct Joined {
 };
 
 /// @param share  of its support radius within which a point is joined
-/// @param put    put(joined): each point that is left of those that were scanned, in their order
+/// @param put    put(joined): each point that is left, in their order
 template <class Put>
-void join_scanned(const Cloud& cloud, float share, Put put) {
+void join(const Cloud& cloud, float share, Put put) {
   std::array<Joined, kOpen> open;
   std::size_t next = 0;  // the one that began first
-  const std::uint32_t seen = cloud.seen();
-  for (std::uint32_t i = 0; i < seen; ++i) {
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
     const Vec3f p = cloud.position[i];
     const Vec3f n = cloud.normal[i].unpack();
     const float radius = cloud.radius[i];
@@ -86,8 +85,8 @@ void join_scanned(const Cloud& cloud, float share, Put put) {
 float share_for(const Cloud& cloud, std::uint32_t most) {
   constexpr int kHalvings = 5;
   const auto fits = [&](float share) {
-    std::uint32_t left = cloud.continued;
-    join_scanned(cloud, share, [&](const Joined&) { ++left; });
+    std::uint32_t left = 0;
+    join(cloud, share, [&](const Joined&) { ++left; });
     return left <= most;
   };
   if (most >= cloud.size || fits(kShare)) return kShare;
@@ -103,15 +102,8 @@ float share_for(const Cloud& cloud, std::uint32_t most) {
 }  // namespace
 
 void join_points(Cloud& cloud, std::uint32_t most) {
-  const std::uint32_t seen = cloud.seen();
   std::uint32_t kept = 0;
-  join_scanned(cloud, share_for(cloud, most), [&](const Joined& joined) { joined.put(cloud, kept++); });
-  for (std::uint32_t i = seen; i < cloud.size; ++i, ++kept) {
-    cloud.position[kept] = cloud.position[i];
-    cloud.normal[kept] = cloud.normal[i];
-    cloud.normal[kept].weight = 1;
-    cloud.radius[kept] = cloud.radius[i];
-  }
+  join(cloud, share_for(cloud, most), [&](const Joined& joined) { joined.put(cloud, kept++); });
   cloud.size = kept;
 }
 

@@ -16,7 +16,7 @@ namespace plumbline {
 /// On a curved surface the mean of points lies inside of it, by half of what the last term measures.
 ///
 /// @param cloud  in the order of its 3D tree, so that neighbours follow each other. It shrinks; its order is kept. Weights are
-///               set anew: 1 for a point that is joined with no other. Continued points are not joined
+///               set anew: 1 for a point that is joined with no other
 /// @param most   points that there is room for. Where more would be left, points farther from each other are joined, up to one
 ///               support radius
 void join_points(Cloud& cloud, std::uint32_t most = std::numeric_limits<std::uint32_t>::max());

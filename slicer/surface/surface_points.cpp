@@ -1,10 +1,11 @@
 #include "slicer/surface/surface_points.hpp"
 
 #include <algorithm>
+#include <bitset>
 
+#include "slicer/cloud/proof_sample.hpp"
 #include "slicer/surface/flying_points.hpp"
 #include "slicer/surface/sparse_surface.hpp"
-#include "slicer/surface/support_size.hpp"
 #include "slicer/surface/surface_class.hpp"
 
 namespace plumbline {
@@ -108,6 +109,37 @@ void cut_floor(Cloud& cloud, const SurfaceSettings& settings, SurfacePoints& sur
   if (settings.normals == NormalSource::kPoints) face_outwards(cloud, *surface.floor);
 }
 
+/// Points of the scan, against which the R-Rep is proven. What clustering takes for noise is among them, since it may be wrong there. What is
+/// left out on purpose, and told, is not: a floor, stray pieces, flying points.
+class ProofSample {
+ public:
+  /// Call it when clustering has found what is noise.
+  /// @param room  for the points; as many as it has room for are taken
+  ProofSample(const Cloud& cloud, std::span<Vec3f> room) : cloud_(cloud), room_(room) {
+    for (std::uint32_t k = 0; k < count(); ++k) was_surface_[k] = cloud.is_surface(cloud.sampled(k, count()));
+  }
+
+  /// Call it when everything that is left out has been marked as noise.
+  /// @returns how many points there are in the room
+  std::uint32_t keep(const std::optional<FloorPlane>& floor) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t k = 0; k < count(); ++k) {
+      const std::uint32_t i = cloud_.sampled(k, count());
+      const Vec3f& p = cloud_.position[i];
+      const bool left_out = was_surface_[k] ? !cloud_.is_surface(i) : floor && floor->cuts(p);
+      if (!left_out) room_[kept++] = p;
+    }
+    return kept;
+  }
+
+ private:
+  std::uint32_t count() const { return static_cast<std::uint32_t>(room_.size()); }
+
+  const Cloud& cloud_;
+  std::span<Vec3f> room_;
+  std::bitset<kMostProofPoints> was_surface_;
+};
+
 }  // namespace
 
 bool SurfacePoints::found() const {
@@ -120,22 +152,23 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
                                             Arena& arena, const StageProgress& progress) {
   const auto epsilon = density_epsilon(cloud, tree, arena);
   PLUMBLINE_TRY(epsilon);
-  const auto clustered = cluster(cloud, tree, *epsilon, arena, progress.part(0, 0.6));
+  const auto clustered = cluster(cloud, tree, *epsilon, arena, progress.part(0, 0.7));
   PLUMBLINE_TRY(clustered);
   SurfacePoints surface;
   surface.clustering = *clustered;
   ClusteringResult& clustering = surface.clustering;
-  const auto count_points = [&] { clustering.points = count_classes(cloud.normal.first(cloud.seen())); };
+  const auto count_points = [&] { clustering.points = count_classes(cloud.normal.first(cloud.size)); };
   const auto is_found = [&] {
     count_points();
     return surface.found();
   };
   if (clustering.coherent) {
-    PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(0.6, 0.82)));
-    PLUMBLINE_TRY(rescue_sparse_surface(cloud, tree, *epsilon, progress.part(0.82, 0.85)));
+    PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(0.7, 0.96)));
+    PLUMBLINE_TRY(rescue_sparse_surface(cloud, tree, *epsilon, progress.part(0.96, 1)));
   }
   surface.blurred = !is_found() || is_blurred(clustering, settings);
   if (surface.blurred) return surface;
+  ProofSample sample(cloud, settings.sample);
   // Beside a large floor a small object looks like a stray piece, and beside stray pieces a floor may not look like one.
   if (is_found()) cut_floor(cloud, settings, surface);
   if (!settings.keep_strays && is_found()) {
@@ -149,17 +182,8 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
     PLUMBLINE_TRY(flying);
     surface.flying_points = *flying;
   }
-  const float narrow = cloud.support_points;
-  PLUMBLINE_TRY(widen_supports(cloud, tree, arena, progress.part(0.85, 0.92)));
-  if (settings.normals == NormalSource::kPoints && clustering.coherent && cloud.support_points > narrow) {
-    PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(0.92, 0.95)));
-  }
-  if (is_found()) {
-    const auto walls = continue_bore_walls(cloud, tree, clustering, arena, progress.part(0.95, 1));
-    PLUMBLINE_TRY(walls);
-    surface.bore_walls = *walls;
-  }
   count_points();
+  surface.sampled = sample.keep(surface.floor);
   cloud.drop_noise();
   return surface;
 }

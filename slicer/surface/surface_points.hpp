@@ -7,7 +7,6 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/floor_plane.hpp"
-#include "slicer/surface/bores/bore_walls.hpp"
 #include "slicer/surface/clustering.hpp"
 #include "slicer/surface/refined_normals.hpp"
 #include "slicer/surface/stray_pieces.hpp"
@@ -20,6 +19,7 @@ struct SurfaceSettings {
   bool averaged = false;     ///< the points are means of neighbours, which need more evidence than a scan's
   bool may_average = false;  ///< there are enough points to average neighbours (again)
   FloorChoice floor;         ///< its height in coordinates of the cloud
+  std::span<Vec3f> sample;   ///< room for points that the R-Rep is proven against; empty: for none
 };
 
 struct SurfacePoints {
@@ -29,7 +29,7 @@ struct SurfacePoints {
   std::uint32_t floor_points = 0;   ///< left out with it
   Box3f floor_box;                  ///< around these
   std::uint32_t flying_points = 0;  ///< left out because they would have made the object larger
-  BoreWalls bore_walls;
+  std::uint32_t sampled = 0;        ///< points in SurfaceSettings::sample
   /// There is no surface, or one so much thicker than its neighbourhoods are wide that neighbours should be averaged first.
   bool blurred = false;
 
@@ -37,9 +37,8 @@ struct SurfacePoints {
   bool found() const;
 };
 
-/// Calls cluster(), and what goes beyond the thesis: refine_normals(), rescue_sparse_surface(), mark_stray_pieces(), find_floor(),
-/// mark_flying_points(), widen_supports() and continue_bore_walls(), in that order. Estimated normals are turned over if the object
-/// on a floor faces inwards, and fitted again if supports got wider.
+/// Calls cluster(), and what goes beyond the thesis: refine_normals(), rescue_sparse_surface(), mark_stray_pieces(), find_floor() and
+/// mark_flying_points(), in that order. Estimated normals are turned over if the object on a floor faces inwards.
 ///
 /// @param cloud  in the order of `tree`, with normals. On return noise points are gone, classes and supports are set. If the surface is
 ///               `blurred` the cloud keeps all of its points where they are

@@ -1,28 +1,19 @@
 #pragma once
-/// The views of a scan with their current motions, and without their ripple.
+/// The views of a scan with their current motions.
 
 #include <omp.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/numbers/vec.hpp"
-#include "slicer/views/depth_image.hpp"
-#include "slicer/views/grid_growth.hpp"
 #include "slicer/views/local_paraboloid.hpp"
-#include "slicer/views/ripple.hpp"
-#include "slicer/views/view_grid.hpp"
 
 namespace plumbline {
-
-struct Views {
-  /// View of each point. Points without one (kNoView) are not used and stay in place.
-  std::span<const std::uint8_t> of;
-  std::span<const ViewGrid> grids;  ///< of each view, where its points were seen; kMaxViews at most
-  float spacing = 0;                ///< of the scan's points, mm
-};
 
 /// The views that a thread sums up for, so that their sums don't depend on the number of threads.
 struct ViewShare {
@@ -37,38 +28,47 @@ struct ViewShare {
 /// Reads positions and normals from the cloud at every call.
 class MovedViews {
  public:
-  static std::size_t bytes(std::size_t views);
-  static Expected<MovedViews> create(const Cloud& cloud, const Views& views, Arena& arena);
+  static std::size_t bytes(std::uint32_t views);
+  /// @param cloud    with two views at least
+  /// @param spacing  of its points
+  static Expected<MovedViews> create(const Cloud& cloud, float spacing, Arena& arena);
 
-  std::size_t size() const { return motions.size(); }
-  std::uint8_t view_of(std::uint32_t point) const { return views_.of[point]; }
-  float spacing() const { return views_.spacing; }
-  /// Unit vector of the ray that a point of a view was seen on, away from the scanner.
-  Vec3d ray(std::uint32_t point) const {
-    return views_.grids[views_.of[point]].ray(cloud_->position[point]) * outward_[views_.of[point]];
+  /// Views that move on their own. If a scan has more, views that follow each other move together: the equations grow with the square.
+  static constexpr std::uint32_t kMost = 64;
+  static std::uint32_t count(std::uint32_t views) { return std::min(views, kMost); }
+  std::uint32_t count() const { return count(cloud_->views.count); }
+  /// The view that a point moves with, or kNoView.
+  std::uint8_t view_of(std::uint32_t point) const {
+    const std::uint8_t view = cloud_->views.of[point];
+    const std::uint32_t views = cloud_->views.count;
+    return views <= kMost || view == kNoView ? view : static_cast<std::uint8_t>(view * kMost / views);
   }
-  /// Where a point was seen, mm from the middle of the scan.
+  float spacing() const { return spacing_; }
+  /// Where a point was seen, from the middle of the scan.
   Vec3d seen_position(std::uint32_t point) const { return cloud_->position[point].cast<double>() - middle_; }
-  /// The same without ripple and after its view's motion.
-  /// @param ray  of the point
-  Vec3d moved_position(std::uint32_t point, const Vec3d& ray) const;
+  /// The same after its view's motion.
+  Vec3d moved_position(std::uint32_t point) const {
+    const Vec3d x = seen_position(point);
+    const Vec6d& m = motions[view_of(point)];
+    return x + m.head<3>() + m.tail<3>().cross(x) / extent_;
+  }
+  /// Unit vector from the scanner to a point. Where the scanner's place is unknown, it is taken to have looked against the view's mean normal.
+  /// @returns none if the view has points on all sides
+  std::optional<Vec3d> ray(std::uint32_t point) const;
   const Vec3d& middle() const { return middle_; }
   double extent() const { return extent_; }
-  /// Sets the frame of an image that holds all points of a view, for each view.
-  void set_image_frames(std::span<DepthFrame> frames) const;
 
-  /// Motion of each view: translation in mm, then rotation in mm of arc at `extent` from the middle.
+  /// Motion of each view: translation, then rotation as length of arc at `extent` from the middle.
   std::span<Vec6d> motions;
-  std::span<Ripple> ripples;  ///< of each view, a function of the seen position
 
  private:
-  MovedViews(const Cloud& cloud, const Views& views) : cloud_(&cloud), views_(views) {}
+  MovedViews(const Cloud& cloud, float spacing) : cloud_(&cloud), spacing_(spacing) {}
 
   const Cloud* cloud_;
-  Views views_;
-  std::span<double> outward_;  ///< 1 or -1 for each view: ViewGrid::ray() has no sign of its own
+  float spacing_;
   Vec3d middle_ = Vec3d::Zero();
-  double extent_ = 0;  ///< half the longest side of the scan, mm
+  double extent_ = 0;  ///< half the longest side of the scan
+  std::span<Vec3d> mean_normal_;
 };
 
 }  // namespace plumbline

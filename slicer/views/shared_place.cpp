@@ -8,7 +8,6 @@
 #include <span>
 
 #include "slicer/cloud/nearest_in_box.hpp"
-#include "slicer/views/find_views.hpp"
 
 namespace plumbline {
 namespace {
@@ -22,25 +21,6 @@ constexpr double kMinIncidence = 0.5;
 /// Weight of such points. Not 0: they may be all that determines where their view lies.
 constexpr float kGrazingWeight = 0.05F;
 
-/// The rays of each view at a place, where they hardly differ.
-class PlaceRays {
- public:
-  explicit PlaceRays(const MovedViews& views) : views_(views) {}
-  /// The ray of a point's view, at the first point of it that was asked for.
-  const Vec3d& operator[](std::uint32_t point) {
-    const std::uint8_t view = views_.view_of(point);
-    if ((known_ >> view & 1U) == 0) ray_[view] = views_.ray(point);
-    known_ |= std::uint64_t{1} << view;
-    return ray_[view];
-  }
-
- private:
-  const MovedViews& views_;
-  std::uint64_t known_ = 0;  ///< a bit a view
-  std::array<Vec3d, kMaxViews> ray_;
-};
-static_assert(kMaxViews <= 64);
-
 }  // namespace
 
 void PlacePoints::find(const Cloud& cloud, const KdTree3& tree, const MovedViews& moved_views, std::uint32_t i) {
@@ -52,7 +32,6 @@ void PlacePoints::find(const Cloud& cloud, const KdTree3& tree, const MovedViews
   const auto nearest = nearest_in_box(cloud.positions(), tree, cloud.position[i], radius, kWanted, room,
                                       [&](std::uint32_t other) { return moved_views.view_of(other) != kNoView; });
   const Vec3f facing = cloud.normal[i].unpack();
-  PlaceRays ray(moved_views);
   std::uint32_t bent = 0;
   for (const Neighbour& n : nearest) {
     const Vec3f normal = cloud.normal[n.index].unpack();
@@ -62,57 +41,45 @@ void PlacePoints::find(const Cloud& cloud, const KdTree3& tree, const MovedViews
       ++bent;
       continue;
     }
-    // A point that faces away from its view is on the view's grid by chance. Such points are few, but where no view saw
-    // both an upper and a lower side they alone would determine the distance between the two.
-    if (ray[n.index].dot(normal.cast<double>()) > 0) continue;
     point[size++] = n.index;
   }
   if (static_cast<float>(bent) > kMaxBentShare * static_cast<float>(nearest.size())) size = 0;
 }
 
 bool SharedPlace::measure(const MovedViews& moved_views, const PlacePoints& near) {
-  PlaceRays ray(moved_views);
   std::array<Vec3d, LocalParaboloid::kMaxPoints> position;
-  for (std::uint32_t k = 0; k < near.size; ++k) {
-    position[k] = moved_views.moved_position(near.point[k], ray[near.point[k]]);
-  }
+  for (std::uint32_t k = 0; k < near.size; ++k) position[k] = moved_views.moved_position(near.point[k]);
   LocalParaboloid surface;
   if (!surface.fit(std::span(position).first(near.size))) return false;
   const double weight_here = 1 / (surface.deviation * surface.deviation);
   double weights = 0;
-  std::array<double, LocalParaboloid::kMaxPoints> cosine;
-  points = surface.size;
-  for (std::uint32_t k = 0; k < points; ++k) {
-    point[k] = near.point[surface.point[k]];
-    view_of[k] = moved_views.view_of(point[k]);
-    cosine[k] = ray[point[k]].dot(surface.normal);
-    surface.weight[k] = std::abs(cosine[k]) < kMinIncidence ? kGrazingWeight : 1;
+  for (std::uint32_t k = 0; k < surface.size; ++k) {
+    const std::uint32_t i = near.point[surface.point[k]];
+    view_of_[k] = moved_views.view_of(i);
+    const auto ray = moved_views.ray(i);
+    surface.weight[k] = ray && std::abs(ray->dot(surface.normal)) < kMinIncidence ? kGrazingWeight : 1;
     weights += static_cast<double>(surface.weight[k]);
   }
   surface.solve();
   mean_square = 0;
-  for (std::uint32_t k = 0; k < points; ++k) {
-    const auto counts = static_cast<double>(surface.weight[k]);
+  for (std::uint32_t k = 0; k < surface.size; ++k) {
     const auto residual = static_cast<double>(surface.residual[k]);
-    const double along = weight_here * counts * cosine[k];
-    offset[k] = along * residual;
-    weight[k] = along * cosine[k];
-    mean_square += counts * residual * residual / weights;
+    mean_square += static_cast<double>(surface.weight[k]) * residual * residual / weights;
   }
   sum_up(surface, moved_views, weight_here);
   return true;
 }
 
 void SharedPlace::sum_up(const LocalParaboloid& surface, const MovedViews& moved_views, double weight_here) {
-  std::array<Vec6d, kMaxViews> sums;
-  std::array<double, kMaxViews> counts = {};
-  std::array<std::uint8_t, plumbline::kMaxViews> place_of;  // of a view in `view`
+  std::array<Vec6d, kMostViews> sums;
+  std::array<double, kMostViews> counts = {};
+  std::array<std::uint8_t, MovedViews::kMost> place_of;  // of a view in `view`
   place_of.fill(kNoView);
   views = 0;
-  for (std::uint32_t k = 0; k < points; ++k) {
-    const std::uint8_t of = view_of[k];
+  for (std::uint32_t k = 0; k < surface.size; ++k) {
+    const std::uint8_t of = view_of_[k];
     if (place_of[of] == kNoView) {
-      if (views == kMaxViews) continue;
+      if (views == kMostViews) continue;
       place_of[of] = static_cast<std::uint8_t>(views);
       view[views] = of;
       residuals[views] = 0;

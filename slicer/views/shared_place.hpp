@@ -25,23 +25,17 @@ struct PlacePoints {
 /// have to move.
 struct SharedPlace {
   /// Of one place; further views are left out. Sets the size of `products`.
-  static constexpr std::uint32_t kMaxViews = 24;
+  static constexpr std::uint32_t kMostViews = 24;
 
   /// Normal equations of the motions with the surface eliminated: products[v][w] is the coefficient of <lever, motion
   /// of v> times <lever, motion of w>, residuals[v] the right-hand side of v.
   Vec6d lever;
   std::uint32_t views = 0;
-  std::array<std::uint8_t, kMaxViews> view;
-  std::array<double, kMaxViews> residuals;
-  std::array<std::array<double, kMaxViews>, kMaxViews> products;
+  std::array<std::uint8_t, kMostViews> view;
+  std::array<double, kMostViews> residuals;
+  std::array<std::array<double, kMostViews>, kMostViews> products;
 
-  double mean_square = 0;  ///< distance of the points from the surface, mm^2
-  std::uint32_t points = 0;
-  std::array<std::uint32_t, LocalParaboloid::kMaxPoints> point;
-  std::array<std::uint8_t, LocalParaboloid::kMaxPoints> view_of;  ///< each point's
-  /// Distance of each point along its ray beyond the surface, mm, times `weight`.
-  std::array<double, LocalParaboloid::kMaxPoints> offset;
-  std::array<double, LocalParaboloid::kMaxPoints> weight;
+  double mean_square = 0;  ///< distance of the points from the surface, squared
 
   /// Fits the surface through `near` and sets all of the above.
   /// @returns false if the place determines nothing; then the members are not valid
@@ -49,6 +43,8 @@ struct SharedPlace {
 
  private:
   void sum_up(const LocalParaboloid& surface, const MovedViews& moved_views, double weight_here);
+
+  std::array<std::uint8_t, LocalParaboloid::kMaxPoints> view_of_;  ///< each kept point's
 };
 
 }  // namespace plumbline

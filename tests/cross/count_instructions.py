@@ -92,8 +92,6 @@ def measure(host, command, work):
     figures = {
         "read, a million points": more(["read"], twice) / more_millions,
         "trees and clusters, a million points": more(built, twice) / more_millions,
-        # Not proportional to the points: the search goes on while it finds views.
-        "views of 100,000 points": base.stages["views"],
         "rays, a thousand rays": base.stages["rays"] * 1000 / base.rays,
         # Not proportional either: the support radius depends on the scan.
         "rays, a thousand rays, twice the points": twice.stages["rays"] * 1000 / twice.rays,

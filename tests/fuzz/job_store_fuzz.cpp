@@ -54,7 +54,7 @@ const std::vector<std::byte>& whole() {
     JobFacts facts;
     facts.scan = short_name("bust.ply");
     facts.print_id = 11;
-    facts.plan.layers = 3;
+    facts.contract.plan.layers = 3;
     const RRep rrep{.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .pixel = kPixel};
     const Supports supports{.list = kSupports, .pitch = PixelPitch(rrep.grid)};
     MemoryFile file;

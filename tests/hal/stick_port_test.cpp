@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <string>
 
 #include "tests/hal/contract.hpp"
@@ -108,7 +109,9 @@ TEST_P(StickContract, ListsFilesAndNamesWhatIsNone) {
   ASSERT_EQ(::mkfifo((folder_ / "job.ply").c_str(), 0600), 0);
   plug();
   struct Names final : StickMount::FileVisitor {
-    void on_file(std::string_view name, std::uint64_t bytes) override { sizes[std::string(name)] = bytes; }
+    void on_file(std::string_view name, const StickFileFacts& facts) override {
+      sizes[path_on_stick({}, name, facts.partition)] = facts.bytes;
+    }
     void on_other(std::string_view name, const char* what) override { others[std::string(name)] = what; }
     std::map<std::string, std::uint64_t> sizes;
     std::map<std::string, std::string> others;
@@ -122,6 +125,85 @@ TEST_P(StickContract, ListsFilesAndNamesWhatIsNone) {
               testing::ElementsAre(testing::Pair("etc", "a symbolic link"), testing::Pair("job.ply", "a pipe"),
                                    testing::Pair("link.ply", "a symbolic link"), testing::Pair("scans", "a folder")));
   EXPECT_TRUE(failed_with(mount->open("job.ply"), ErrorCode::kCannotOpen)) << "and does not wait for a writer";
+}
+
+TEST_P(StickContract, SeesAllPartitionsAsOneAndTellsFilesOfOneNameApart) {
+  const auto part = [this](int number) {
+    return std::filesystem::path(folder_.string() + "." + std::to_string(number));
+  };
+  std::filesystem::create_directories(part(2) / "scans");
+  std::filesystem::create_directories(part(3) / "bust.ply");
+  const auto put = [](const std::filesystem::path& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+  };
+  put(part(2) / "bust.ply", "second");
+  put(part(2) / "leg.ply", "a leg");
+  put(part(2) / "scans/arm.xyz", "4 5 6 7\n");
+  put(part(2) / "scans/hand.xyz", "1\n");
+  put(part(3) / "job.toml", "[another]\n");
+  plug();
+  struct Names final : StickMount::FileVisitor {
+    void on_file(std::string_view name, const StickFileFacts& facts) override {
+      sizes[path_on_stick(folder, name, facts.partition)] = facts.bytes;
+    }
+    void on_other(std::string_view /*name*/, const char* /*what*/) override {}
+    void on_folder(std::string_view name) override { folders.insert(std::string(name)); }
+    std::string folder;
+    std::map<std::string, std::uint64_t> sizes;
+    std::multiset<std::string> folders;
+  } top, scans;
+  {
+    const auto mount = rig_->machine().stick.mount();
+    ASSERT_TRUE(mount);
+    using testing::Pair;
+    ASSERT_TRUE(mount->for_each_file(top));
+    EXPECT_THAT(top.sizes, testing::ElementsAre(Pair("2:bust.ply", 6), Pair("3:job.toml", 10),
+                                                Pair("bust.ply", 300'000), Pair("job.toml", 6), Pair("leg.ply", 5)));
+    EXPECT_THAT(top.folders, testing::ElementsAre("bust.ply", "scans", "scans"));
+    scans.folder = "scans";
+    ASSERT_TRUE(mount->for_each_file(scans, "scans"));
+    EXPECT_THAT(scans.sizes,
+                testing::ElementsAre(Pair("2:scans/arm.xyz", 8), Pair("scans/arm.xyz", 6), Pair("scans/hand.xyz", 2)));
+    EXPECT_EQ(mount->open("bust.ply").value().size(), 300'000U);
+    EXPECT_EQ(mount->open("2:bust.ply").value().size(), 6U);
+    EXPECT_EQ(mount->open("scans/hand.xyz").value().size(), 2U);
+    EXPECT_EQ(mount->open("2:scans/arm.xyz").value().size(), 8U);
+    EXPECT_TRUE(mount->is_folder("3:bust.ply"));
+    for (const char* name : {"2:none.ply", "4:bust.ply", "0:bust.ply", "2:", "2:../x", "2:/etc/passwd", "none.ply"}) {
+      EXPECT_TRUE(failed_with(mount->open(name), ErrorCode::kCannotOpen)) << name;
+    }
+    EXPECT_EQ(mount->name_beside("scans/hand.xyz", "bust.ply"), "2:bust.ply") << "its own partition's";
+    EXPECT_EQ(mount->name_beside("job.toml", "bust.ply"), "bust.ply");
+    EXPECT_EQ(mount->name_beside("3:job.toml", "leg.ply"), "leg.ply") << "it has none";
+  }
+  // The reports go where their folder is.
+  std::filesystem::create_directory(part(2) / "plumbline-reports");
+  const int file = ::open((part(2) / "leg.ply").c_str(), O_RDONLY | O_CLOEXEC);
+  EXPECT_EQ(rig_->machine().stick.store({"a.json", file, 0, 5}).value(), true);
+  ::close(file);
+  EXPECT_TRUE(std::filesystem::exists(part(2) / "plumbline-reports/a.json"));
+  for (const int number : {2, 3}) std::filesystem::remove_all(part(number));
+}
+
+TEST_P(StickContract, EndsAListingWhenItsVisitorWantsNoMore) {
+  plug();
+  struct Impatient final : StickMount::FileVisitor {
+    void on_file(std::string_view /*name*/, const StickFileFacts& /*facts*/) override { ++visited; }
+    void on_other(std::string_view /*name*/, const char* /*what*/) override { ++visited; }
+    Expected<bool> goes_on() override {
+      if (fails) return fail(ErrorCode::kCancelled, "cancelled");
+      return visited < 2;
+    }
+    int visited = 0;
+    bool fails = false;
+  } visitor;
+  const auto mount = rig_->machine().stick.mount();
+  ASSERT_TRUE(mount);
+  EXPECT_TRUE(mount->for_each_file(visitor));
+  EXPECT_EQ(visitor.visited, 2);
+  visitor.fails = true;
+  EXPECT_TRUE(failed_with(mount->for_each_file(visitor), ErrorCode::kCancelled));
+  EXPECT_EQ(visitor.visited, 2);
 }
 
 TEST_P(StickContract, OpensAFileOf4GiB) {

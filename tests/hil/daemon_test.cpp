@@ -29,10 +29,9 @@ TEST(Daemon, PrintsTheOnlyScanOnAStickAndIsReadyForTheNext) {
   EXPECT_EQ(rig.user.reports[0].state, kFinished) << rig.user.reports[0].fault_message.c_str();
   EXPECT_THAT(rig.user.scans, ElementsAre("ball.ply"));
   EXPECT_THAT(rig.user.profiles, ElementsAre("standard"));
-  EXPECT_THAT(rig.user.said,
-              ElementsAre(HasSubstr("start = \"on_stick\""), "ready", HasSubstr("reading ball.ply"),
-                          HasSubstr("only 4 mm long"), "the stick may be pulled",
-                          HasSubstr("1 part at the panel's edge"), HasSubstr("is the plate empty?"), "shut down"));
+  EXPECT_THAT(rig.user.said, ElementsAre(HasSubstr("start = \"on_stick\""), "ready", HasSubstr("reading ball.ply"),
+                                         HasSubstr("only 4 mm long"), "the stick may be pulled",
+                                         HasSubstr("is the plate empty?"), "shut down"));
   EXPECT_EQ(rig.arena.used(), 0U);
 }
 
@@ -63,6 +62,36 @@ TEST(Daemon, PrintsTheNextStickAfterOneWasPulledWhileItWasRead) {
   EXPECT_THAT(rig.user.said, Contains(HasSubstr("PL-107, stick pulled")));
   ASSERT_EQ(rig.user.reports.size(), 1U);
   EXPECT_EQ(rig.user.reports[0].state, kFinished);
+}
+
+TEST(Daemon, ShowsTheFaultOfAPulledStickUntilSomebodyHasSeenItAlsoAfterARestart) {
+  auto settings = session_plant();
+  settings.stick_bytes_per_second = 2e4;
+  DaemonRig rig(settings);
+  rig.put_scan("ball.ply");
+  rig.plant.plug_stick(rig.stick());
+  rig.plant.timeline().at(TimePoint() + 2s, [&] { rig.plant.pull_stick(); });
+  rig.plant.timeline().at(TimePoint() + 10min, [&] { rig.plant.press(EventKind::kShutdownRequested); });
+  auto state = kIdle;
+  rig.user.on_idle = [&] { state = rig.record.state; };
+  ASSERT_TRUE(rig.run());
+  EXPECT_EQ(state, kFault) << "ten minutes after the stick has gone";
+  EXPECT_THAT(rig.user.said, Not(Contains("ready")));
+
+  for (int restart = 0; restart < 2; ++restart) {
+    rig.user.said.clear();
+    rig.record = PrinterRecord();
+    rig.plant.timeline().at(rig.plant.now() + 1min, [&] {
+      ASSERT_TRUE(rig.record.fault);
+      EXPECT_EQ(rig.record.fault->code, FaultCode::kStickGone);
+      rig.plant.press(restart == 0 ? EventKind::kShutdownRequested : EventKind::kStartPressed);
+    });
+    if (restart == 1) rig.user.on_words.emplace("ready", [&] { rig.plant.press(EventKind::kShutdownRequested); });
+    ASSERT_TRUE(rig.run());
+    EXPECT_THAT(rig.user.said.at(1), HasSubstr("PL-107, stick pulled"));
+  }
+  EXPECT_THAT(rig.user.said, Contains("ready")) << "a button has taken it";
+  EXPECT_EQ(MachineRecord::open(rig.state(), 1)->fault_count(), 0U);
 }
 
 TEST(Daemon, PrintsAFolderOfScansAfterItsStickWasPulledWhileTheyWereRead) {
@@ -317,8 +346,8 @@ TEST(Daemon, ResumesAPrintAfterAPowerCutWithoutItsStick) {
   EXPECT_EQ(rig.user.reports[1].state, kFinished) << rig.user.reports[1].fault_message.c_str();
   EXPECT_EQ(rig.user.reports[1].first_layer, 12U);
   EXPECT_EQ(rig.user.hashes[1], std::vector<std::uint64_t>(whole.begin() + 12, whole.end()));
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(rig.folder / "state"), {}), 0)
-      << "the print is removed from the store";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(rig.folder / "state"), {}), 1)
+      << "the print is removed from the store; the machine's record stays";
 }
 
 TEST(Daemon, ReportsADamagedJournalAndDoesNotResume) {
@@ -347,6 +376,100 @@ TEST(Daemon, ReportsADamagedJournalAndDoesNotResume) {
   EXPECT_EQ(rig.plant.lights().size(), lights) << "nothing was lit";
   EXPECT_EQ(rig.user.reports.size(), 1U);
   EXPECT_FALSE(std::filesystem::exists(path)) << "the user gave it up";
+}
+
+constexpr std::chrono::milliseconds kGaps[] = {200ms, 400ms, 800ms};  // between two presses of one finger
+
+// Regression: the second press began the print before once more, onto a plate that nobody had looked at.
+TEST(Daemon, TakesNoSecondPressOnThePlateQuestionForTheNextOne) {
+  for (const auto gap : kGaps) {
+    SCOPED_TRACE(gap.count());
+    DaemonRig rig;
+    rig.start = StartChoice::kOnRequest;
+    rig.put_scan("ball.ply", 1, 3000);
+    rig.plant.plug_stick(rig.stick());
+    bool begun = false, offered_again = false;
+    rig.user.on_words.emplace("Press start to print it", [&] {
+      if (!std::exchange(begun, true)) return rig.plant.press(EventKind::kStartPressed);
+      offered_again = true;
+      rig.plant.timeline().at(rig.plant.now() + 10s, [&] { rig.plant.press(EventKind::kShutdownRequested); });
+    });
+    rig.user.on_words.emplace("is the plate empty?", [&, gap] {
+      rig.plant.press(EventKind::kStartPressed);
+      rig.plant.timeline().at(rig.plant.now() + gap, [&] { rig.plant.press(EventKind::kStartPressed); });
+    });
+    ASSERT_TRUE(rig.run());
+    EXPECT_TRUE(offered_again);
+    EXPECT_EQ(rig.user.reports.size(), 1U);
+  }
+}
+
+TEST(Daemon, SaysThatAPressCameTooSoonAndTakesTheNextOne) {
+  DaemonRig rig;
+  rig.start = StartChoice::kOnRequest;
+  rig.put_scan("ball.ply", 1, 3000);
+  rig.plant.plug_stick(rig.stick());
+  bool pressed = false;
+  rig.user.on_idle = [&] {
+    if (rig.record.state == kOffered && !std::exchange(pressed, true)) rig.plant.press(EventKind::kStartPressed);
+  };
+  rig.user.on_words.emplace("within a second of the question", [&] {
+    EXPECT_EQ(rig.record.message_told.code, Told(PrinterCode::kPressSoon).code);
+    EXPECT_EQ(rig.record.state, kOffered);
+    rig.plant.press(EventKind::kStartPressed);
+  });
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("within a second of the question")));
+  EXPECT_EQ(rig.user.reports.size(), 1U);
+}
+
+TEST(Daemon, TakesNoSecondPressOnPrintForTheQuestionAboutThePreview) {
+  for (const auto gap : kGaps) {
+    SCOPED_TRACE(gap.count());
+    DaemonRig rig;
+    rig.start = StartChoice::kAfterPreview;
+    rig.put_scan("ball.ply", 1, 3000);
+    rig.plant.plug_stick(rig.stick());
+    int asked = 0;
+    rig.user.on_words.emplace("Press start to print it", [&, gap] {
+      if (++asked > 1) {
+        rig.plant.timeline().at(rig.plant.now() + 10s, [&] { rig.plant.press(EventKind::kShutdownRequested); });
+        return;
+      }
+      rig.plant.press(EventKind::kStartPressed);
+      rig.plant.timeline().at(rig.plant.now() + gap, [&] { rig.plant.press(EventKind::kStartPressed); });
+    });
+    ASSERT_TRUE(rig.run());
+    EXPECT_EQ(asked, 2) << "the preview was shown, and nobody has answered";
+    EXPECT_TRUE(rig.user.reports.empty());
+  }
+}
+
+TEST(Daemon, NamesEachJobAndEachQuestionAnew) {
+  DaemonRig rig;
+  rig.start = StartChoice::kAfterPreview;
+  rig.put_scan("ball.ply", 1, 3000);
+  rig.plant.plug_stick(rig.stick());
+  std::vector<std::uint64_t> jobs, questions, prints;
+  rig.user.on_words.emplace("Press start to print it", [&] {
+    jobs.push_back(rig.record.job_id);
+    questions.push_back(rig.record.asks);
+    rig.plant.press(EventKind::kStartPressed);
+  });
+  rig.user.on_words.emplace("is the plate empty?", [&] {
+    questions.push_back(rig.record.asks);
+    rig.plant.press(jobs.size() < 4 ? EventKind::kStartPressed : EventKind::kShutdownRequested);
+  });
+  ASSERT_TRUE(rig.run());
+  ASSERT_EQ(jobs.size(), 4U) << "two prints, and each was asked about twice";
+  EXPECT_EQ(jobs[0], jobs[1]) << "what was offered is what was sliced";
+  EXPECT_EQ(jobs[2], jobs[3]);
+  EXPECT_NE(jobs[0], jobs[2]);
+  EXPECT_EQ(rig.user.ids, (std::vector{jobs[0], jobs[2]})) << "the print's report has it";
+  std::sort(questions.begin(), questions.end());
+  EXPECT_EQ(std::adjacent_find(questions.begin(), questions.end()), questions.end());
+  EXPECT_THAT(questions, Not(Contains(0U)));
 }
 
 TEST(Daemon, PrintsTenJobsInTheSameMemory) {

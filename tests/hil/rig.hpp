@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <functional>
 #include <memory>
@@ -55,6 +56,16 @@ class TowerRRep {
              .pixel = pixel_};
   }
   const RRep& rrep() const { return rrep_; }
+  /// Of all masks together.
+  std::uint64_t pixels() const {
+    std::uint64_t count = 0;
+    for (std::uint32_t layer = 0; layer < rrep_.grid.layers; ++layer) {
+      for (std::uint32_t y = 0; y < kRigRows; ++y) {
+        for (std::uint32_t x = 0; x < kRigColumns; ++x) count += in_tower(x, y, layer) ? 1 : 0;
+      }
+    }
+    return count;
+  }
 
  private:
   std::vector<std::uint32_t> first_;
@@ -126,6 +137,7 @@ class PlantStorage final : public JournalStorage {
     return plant_.wait(std::chrono::milliseconds(3)) ? Status() : Status(fail(ErrorCode::kPowerLost, "cut"));
   }
   std::vector<std::byte>& medium() { return medium_; }
+  void forget() { std::fill(medium_.begin(), medium_.end(), std::byte{}); }
   std::size_t writes() const { return before_.size(); }
   /// Loses those of the last `count` writes for which `is_lost()` is true, though sync() has called them durable.
   void lose(std::size_t count, const std::function<bool()>& is_lost) {
@@ -165,6 +177,9 @@ class RigUser : public PrintObserver {
       states.push_back(status.state);
       since_ = status.now;
     }
+    if (updates.empty() || updates.back().note != status.note) noted_at = status.now;
+    updates.push_back(status);
+    if (on_update) on_update(status);
     const auto waited = status.now - since_;
     if (!status.question.empty()) {
       if (questions.empty() || questions.back() != status.question) questions.emplace_back(status.question);
@@ -173,22 +188,29 @@ class RigUser : public PrintObserver {
         return true;
       }
     }
+    if (on_update) on_update(status);
     const bool waits = status.state == PrintState::kPaused || status.state == PrintState::kFeedMe;
     if (waits && presses_start && waited > std::chrono::seconds(10)) {
       since_ = status.now;
       plant_.press(EventKind::kStartPressed);
     }
-    return waited < std::chrono::hours(1);
+    return waited < gives_up_after;
   }
   void checked(Check check, const CheckResult& result) override {
+    checks[static_cast<std::size_t>(check)] = result.outcome;
     if (result.outcome == CheckOutcome::kFailed) failed_checks.push_back(check);
   }
 
+  std::function<void(const PrintStatus&)> on_update;
+  nanoseconds gives_up_after = std::chrono::hours(1);
+  std::vector<PrintStatus> updates;  ///< all; their texts are gone
+  TimePoint noted_at;                ///< when the note last changed
   bool presses_start = true;
   bool measures_part = false;          ///< when asked, and cancels if it is taller than it should be
   std::vector<std::string> questions;  ///< of which no two in a row are the same
   std::vector<PrintState> states;      ///< in order
   std::vector<Check> failed_checks;
+  std::array<CheckOutcome, kCheckCount> checks{};
 
  private:
   /// The layer at hand is already there if it had light before the interruption.
@@ -222,17 +244,18 @@ class Rig {
     masks_ = MaskRenderer::create(*source_, plan, *arena_).value();
     auto opened = Journal::open(storage);
     const bool is_new = !opened && opened.error().code() == ErrorCode::kTruncated;
-    if (is_new) opened = Journal::create(storage, 77, plan.layers);
+    if (is_new) opened = Journal::create(storage, job_hash, plan.layers);
     EXPECT_TRUE(opened) << opened.error().message();
     journal_ = *opened;
     lines_.assign(2 * plan.layers + 50, {});
     Machine machine = machine_->machine();
-    job_.emplace(machine, settings(), *masks_, &*journal_, nullptr, lines_, user);
+    job_.emplace(machine, settings(), *masks_, &*journal_, record, lines_, user);
     return is_new ? job_->run() : job_->resume(journal_->last());
   }
 
   PrintSettings settings() const {
     PrintSettings settings;
+    settings.run = check_plan(plan, "rig", rig_machine()).value();
     const MachineFile machine = rig_machine();
     settings.plan = plan;
     settings.lamp_resume = Celsius(machine.lamp_resume_c);
@@ -240,12 +263,33 @@ class Rig {
     settings.resin_min = Celsius(machine.resin_min_c);
     settings.resin_max = Celsius(machine.resin_max_c);
     settings.tank_ml = tank_ml;
+    settings.board_max = Celsius(machine.board_max_c);
     settings.pixel_ml = resin_ml(1, kRigPitchMm, kRigPitchMm, 0.05);
     settings.first_layer_pixels = 1;
     settings.cured_pixels = 40U * 42U * plan.layers;
     settings.cure_depth = cure_depth(profile, Irradiance(machine.power_mw_cm2), plan.exposure);
     settings.first_cure_depth = cure_depth(profile, Irradiance(machine.power_mw_cm2), plan.initial_exposure);
     return settings;
+  }
+
+  /// A full tank of another size.
+  void give_tank(double ml) {
+    tank_ml = ml;
+    record = MachineRecord(ml);
+  }
+  /// The next run() begins a new print on an empty plate.
+  void begin_anew() {
+    plant.conclude(JobEnd::kFinished);
+    plant.take_part_off();
+    storage.forget();
+    ++job_hash;
+  }
+
+  /// Resin of all layers that had light since the plate was empty.
+  double plant_ml() const {
+    std::uint64_t pixels = 0;
+    for (const CuredLayer& layer : plant.part().layers()) pixels += layer.pixels;
+    return resin_ml(pixels, kRigPitchMm, kRigPitchMm, 0.05);
   }
 
   /// The part on the plate.
@@ -275,9 +319,11 @@ class Rig {
   PrintProfile profile = rig_profile();
   PrintPlan plan;
   double tank_ml = 180;
+  MachineRecord record{tank_ml};
   Plant plant;
   PlantStorage storage;
   RigUser user;
+  std::uint64_t job_hash = 77;
   bool same_process = false;  ///< the next run() is in the process of the last one, as in the daemon
 
  private:

@@ -12,6 +12,7 @@
 
 #include "firmware/daemon/printer_daemon.hpp"
 #include "firmware/print/print_session.hpp"
+#include "firmware/print/store/interrupted_print.hpp"
 #include "hal/sim/sim_machine.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/hil/rig.hpp"
@@ -70,10 +71,12 @@ class ScriptedUser final : public DaemonObserver {
     return true;
   }
   void checked(Check /*check*/, const CheckResult& /*result*/) override {}
+  void begins(const Contract& contract) override { contracts.push_back(contract); }
   void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) override {
     reports.push_back(report);
     profiles.push_back(profile.name);
     scans.emplace_back(view(session.facts().scan));
+    ids.push_back(session.facts().print_id);
     hashes.emplace_back();
     for (const auto& line : report.exposures) hashes.back().push_back(line.mask_hash);
     if (on_printed) later(on_printed);
@@ -108,6 +111,8 @@ class ScriptedUser final : public DaemonObserver {
   std::vector<PrintReport> reports;
   std::vector<std::string> profiles;
   std::vector<std::string> scans;
+  std::vector<Contract> contracts;
+  std::vector<std::uint64_t> ids;
   std::vector<std::vector<std::uint64_t>> hashes;
   int idle_turns = 0;
 
@@ -142,28 +147,31 @@ class DaemonRig {
         arena(child.arena_block()) {
     std::filesystem::create_directory(stick());
     std::filesystem::create_directory(state());
-    EXPECT_TRUE(PlateRecord::open(state())->confirm_empty());
+    auto remembered = MachineRecord::open(state(), rig_machine().tank_volume_ml);
+    EXPECT_TRUE(remembered && remembered->confirm_empty() && remembered->fill(rig_machine().tank_volume_ml));
   }
 
   std::string stick() const { return folder / "stick"; }
   std::string state() const { return folder / "state"; }
-  bool plate_is_empty() const { return PlateRecord::open(state())->is_empty(); }
+  bool plate_is_empty() const { return MachineRecord::open(state(), 1)->plate_is_empty(); }
   void put_scan(const std::string& name, double radius_mm = 2, std::uint32_t points = 4000) const {
     write_sphere_scan(stick() + "/" + name, points, radius_mm);
+    // All equally old, so that they are listed by name.
+    std::filesystem::last_write_time(stick() + "/" + name, std::filesystem::file_time_type());
   }
 
   /// One process of the daemon.
   Status run() {
     auto store = JobStore::open(state());
     EXPECT_TRUE(store) << store.error().message();
-    auto plate = PlateRecord::open(state());
-    EXPECT_TRUE(plate) << plate.error().message();
+    auto remembered = open_machine_record(state(), *store, rig_machine().tank_volume_ml, false);
+    EXPECT_TRUE(remembered) << remembered.error().message();
     machine_.reset();
     machine_.emplace(plant);
     Machine machine = machine_->machine();
     DaemonSettings settings{session_board(), rig_machine(), board_path, {}, {}, 1, patience};
     settings.machine.start = start;
-    PrinterDaemon daemon(machine, settings, child, arena, *store, *plate, user, record);
+    PrinterDaemon daemon(machine, settings, child, arena, *store, *remembered, user, record);
     const auto served = daemon.run();
     fault = daemon.fault();
     return served;

@@ -52,6 +52,73 @@ TEST(Session, CancelledWhileCountingResinStoresNothing) {
   EXPECT_EQ(arena.used(), 0U);
 }
 
+/// Prints that were stored and are loaded again.
+class StoredSession : public testing::Test {
+ protected:
+  StoredSession() { write_sphere_scan(folder_ / "ball.ply", 4000, 2); }
+
+  void store(const std::string& state) {
+    auto store = JobStore::open(folder_ / state);
+    ASSERT_TRUE(store) << store.error().message();
+    std::vector<std::byte> block(kBytes);
+    Arena arena{std::span(block)};
+    PrintSession session(board_, *board_.machine, arena, &*store);
+    auto source = FileSource::open(folder_ / "ball.ply");
+    ASSERT_TRUE(source);
+    const auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
+    const auto sliced = session.slice_scan(*source, slicing_for(board_), std::nullopt, profile, nullptr);
+    ASSERT_TRUE(sliced) << sliced.error().message();
+  }
+  Status load(const std::string& state, const BoardFile& board) {
+    auto store = JobStore::open(folder_ / state);
+    PLUMBLINE_TRY(store);
+    std::vector<std::byte> block(kBytes);
+    Arena arena{std::span(block)};
+    PrintSession session(board, *board.machine, arena, &*store);
+    return session.load();
+  }
+
+  static constexpr std::size_t kBytes = std::size_t{24} << 20U;
+  TemporaryFolder folder_;
+  BoardFile board_ = session_board();
+};
+
+TEST_F(StoredSession, IsNotResumedWithTheJournalOfAnotherPrintOfTheSameScan) {
+  store("one");
+  store("other");
+  EXPECT_TRUE(load("one", board_));
+  std::filesystem::copy_file(folder_ / "other/journal", folder_ / "one/journal",
+                             std::filesystem::copy_options::overwrite_existing);
+  const auto loaded = load("one", board_);
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().code(), ErrorCode::kMalformed);
+  EXPECT_THAT(loaded.error().message(), HasSubstr("are of different prints"));
+}
+
+TEST_F(StoredSession, IsNotResumedOnABoardWhoseMasksHeightsOrLightAreOthers) {
+  store("state");
+  const std::function<void(BoardFile&)> changes[] = {
+      [](BoardFile& board) { board.name = "other"; },
+      [](BoardFile& board) { board.columns += 64; },
+      [](BoardFile& board) { board.pixel_pitch_y_mm *= 1.01; },
+      [](BoardFile& board) { board.machine->rotation_distance_mm *= 2; },
+      [](BoardFile& board) { board.machine->microsteps *= 2; },
+      [](BoardFile& board) { board.machine->end_stop_height_mm += 1; },
+      [](BoardFile& board) { board.machine->power_mw_cm2 += 0.1; },
+      [](BoardFile& board) { board.machine->panel.rotation_deg = 180; },
+  };
+  for (const auto& change : changes) {
+    SCOPED_TRACE(&change - changes);
+    BoardFile other = board_;
+    change(other);
+    const auto loaded = load("state", other);
+    ASSERT_FALSE(loaded);
+    EXPECT_EQ(loaded.error().code(), ErrorCode::kUnsupported);
+    EXPECT_THAT(loaded.error().message(), HasSubstr("was made for printer sim2k"));
+  }
+  EXPECT_TRUE(load("state", board_)) << "and it is still there";
+}
+
 /// @returns the report of a print that has not started
 std::string report_with(const std::optional<StepFigures>& steps) {
   const TemporaryFolder folder;

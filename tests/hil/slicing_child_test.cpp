@@ -104,8 +104,14 @@ TEST_F(SlicingChildren, ThatCrashHangOrScribbleAreErrorsOfTheirScanAndTheNextSti
   rig.patience = kSlicingPatience;
   rig.put_scan("good.ply");
   rig.plant.plug_stick(rig.stick());
+  // The last fault is shown again until somebody has seen it.
+  rig.user.on_words.clear();
+  rig.user.on_words.emplace("PL-1", [&] {
+    rig.plant.timeline().at(rig.plant.now() + 2s, [&] { rig.plant.press(EventKind::kStartPressed); });
+  });
   rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
   ASSERT_TRUE(rig.run());
+  ASSERT_FALSE(rig.user.hashes.empty());
   EXPECT_EQ(rig.user.hashes.back(), expected) << "the same print as ever";
   std::map<std::string, int> codes;
   for (const auto& text : rig.user.said) {

@@ -86,7 +86,7 @@ TEST(AveragedScan, RandomPointsStayWithoutASurface) {
     const auto rrep = slice(source, settings_with_pitch(0.1F), *arena, &progress, report);
     ASSERT_FALSE(rrep.has_value()) << points;
     EXPECT_EQ(rrep.error().code(), ErrorCode::kNoSurface);
-    EXPECT_THAT(rrep.error().message(), HasSubstr("no surface found in " + std::to_string(points) + " points"));
+    EXPECT_THAT(rrep.error().message(), HasSubstr("its " + std::to_string(points) + " points fill the object"));
     ASSERT_GE(progress.points().size(), 1U);
     EXPECT_LE(progress.points().size(), 2U);
     EXPECT_EQ(report.averagings, 0U);

@@ -4,13 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
+#include "slicer/preparation.hpp"
+#include "slicer/slicer.hpp"
 #include "tests/slicer/support/slicing.hpp"
 
 namespace plumbline {
 namespace {
 
 using namespace testing;
+using ::testing::Each;
 using ::testing::HasSubstr;
 
 struct Inspected {
@@ -97,14 +101,71 @@ TEST(Inspect, SaysWhyAnObjectDoesNotFitAndSlicesItCoarselyAllTheSame) {
   EXPECT_TRUE(inspected.report.sliced.has_value());
 }
 
-TEST(Inspect, OfAScanWithoutASurfaceReportsWhatItMeasured) {
+/// Points on the x axis, a twentieth of a millimetre apart, that face up if they have normals.
+Surface on_a_line(std::size_t points) {
+  Surface line;
+  for (std::size_t i = 0; i < points; ++i) line.push_back({Vec3d(0.05 * static_cast<double>(i), 2, 3), Vec3d::UnitZ()});
+  return line;
+}
+
+std::string without_normals(const Surface& surface) {
+  std::string text;
+  for (const SurfacePoint& p : surface) {
+    for (const double at : {p.position[0], p.position[1], p.position[2]}) text += std::to_string(at) + " ";
+    text += "\n";
+  }
+  return text;
+}
+
+/// What slice(), inspect() and prepare_normals(), which orient uses, say about a scan.
+std::vector<std::string> said_about(const std::string& scan, const char* name) {
+  SliceSettings settings = set_threads(settings_with_pitch(0.1F));
+  settings.placement.size = PrintSize{Side::kLength, 20};  // so that nothing is too small
+  const auto slice_it = [](ScanSources sources, const SliceSettings& with, Arena& arena) -> Status {
+    SliceReport report;
+    PLUMBLINE_TRY(slice(sources, with, arena, nullptr, report));
+    return {};
+  };
+  const auto inspect_it = [](ScanSources sources, const SliceSettings& with, Arena& arena) -> Status {
+    InspectReport report;
+    return inspect(sources, with, arena, nullptr, report);
+  };
+  const auto orient_it = [](ScanSources sources, const SliceSettings& with, Arena& arena) -> Status {
+    PreparationReport report;
+    const auto look = [](const PreparedScan&, const SurfaceSamples&) -> Status { return {}; };
+    return prepare_normals(sources, with, arena, nullptr, report, look);
+  };
+  using Command = Status (*)(ScanSources, const SliceSettings&, Arena&);
+  std::vector<std::string> said;
+  for (const Command command : {Command(slice_it), Command(inspect_it), Command(orient_it)}) {
+    ArenaBlock arena(64 * kMiB);
+    MemorySource source(scan, name);
+    ByteSource* const sources[] = {&source};
+    const Status done = command(ScanSources(sources), settings, *arena);
+    said.push_back(done ? "accepted" : std::string(done.error().message()));
+  }
+  return said;
+}
+
+TEST(Inspect, AndOrientRefuseWhatHasNoSurfaceInTheWordsOfSlice) {
   const Surface dust(200, {Vec3d(1, 2, 3), Vec3d(0, 0, 1)});  // all in one place
-  const Inspected inspected(binary_ply(dust), settings_with_pitch(0.1F));
-  ASSERT_TRUE(inspected.status.has_value());
-  EXPECT_EQ(inspected.report.scan.points, 200U);
-  ASSERT_FALSE(inspected.report.sliced.has_value());
-  EXPECT_EQ(inspected.report.sliced.error().code(), ErrorCode::kNoSurface);
-  EXPECT_THAT(inspected.report.sliced.error().message(), HasSubstr("test.ply: no surface found in 200 points"));
+  Surface two(1, dust[0]);
+  two.push_back({Vec3d(2, 3, 4), Vec3d::UnitX()});
+  for (const std::string& scan : {binary_ply(Surface(1, dust[0])), binary_ply(dust)}) {
+    EXPECT_THAT(said_about(scan, "test.ply"), Each(HasSubstr("test.ply: all of it lies at one place, 1 2 3")));
+  }
+  EXPECT_THAT(said_about(without_normals(dust), "test.xyz"), Each(HasSubstr("all of it lies at one place, 1 2 3")));
+  for (const Surface& surface : {two, on_a_line(3), on_a_line(500), on_a_line(9000)}) {
+    const std::string points = std::to_string(surface.size()) + " points";
+    EXPECT_THAT(said_about(binary_ply(surface), "test.ply"),
+                Each(HasSubstr("test.ply: no surface found in " + points)));
+    EXPECT_THAT(said_about(without_normals(surface), "test.xyz"),
+                Each(HasSubstr("test.xyz: no surface found in " + points)));
+  }
+}
+
+TEST(Inspect, AndOrientAcceptASmallScan) {
+  EXPECT_THAT(said_about(binary_ply(sphere(2000, 5, {0, 0, 0})), "test.ply"), Each(std::string("accepted")));
 }
 
 }  // namespace

@@ -220,7 +220,7 @@ TEST(Slice, RefusesBeforeItsRaysAnObjectWhoseMasksCouldNotBeChecked) {
   const RayYield yield{0, 0.87 * crossings};
   const std::size_t checking = layers_stage_bytes(ample.grid(), 0);
   ASSERT_GT(checking, store_bytes(ample.grid(), {600 * 600, 1.1 * crossings}));
-  ArenaBlock arena(rrep_bytes(ample.grid(), yield) + checking);
+  ArenaBlock arena(kept_bytes(ample.report().cloud_points, 0, false) + rrep_bytes(ample.grid(), yield) + checking);
   MemorySource source(scan, "storeys.ply");
   SliceReport report;
   Listener listener;
@@ -231,12 +231,13 @@ TEST(Slice, RefusesBeforeItsRaysAnObjectWhoseMasksCouldNotBeChecked) {
   EXPECT_EQ(arena->used(), 0U);
 }
 
-TEST(Slice, LeavesOnlyTheRRepInTheArena) {
+TEST(Slice, LeavesOnlyTheRRepAndItsProofInTheArena) {
   Slicing sliced(binary_ply(sphere(30000, 10, {0, 0, 0})), settings_with_pitch(0.1F), 64 * kMiB);
   const RRep& rrep = sliced.rrep();
   EXPECT_EQ(sliced.arena().top_used(), 0U);
-  EXPECT_EQ(sliced.arena().bottom_used(),
-            Arena::rounded(rrep.first.size_bytes()) + Arena::rounded(rrep.pixel.size_bytes()));
+  EXPECT_EQ(sliced.arena().bottom_used(), proof_bytes(sliced.report().cloud_points) +
+                                              Arena::rounded(rrep.first.size_bytes()) +
+                                              Arena::rounded(rrep.pixel.size_bytes()));
 }
 
 TEST(Slice, SaysWhenPointsHaveNoSurface) {
@@ -281,7 +282,7 @@ TEST(Slice, RefusesAnObjectTooLargeForThePrinterAsSoonAsItIsRead) {
   EXPECT_EQ(large.code(), ErrorCode::kDoesNotFit);
   EXPECT_EQ(listener.last(), Stage::kRead);
   EXPECT_THAT(large.message(), HasSubstr("the object is 100.00 mm"));
-  EXPECT_THAT(large.message(), HasSubstr("Use --scale 0.5978 or less"));
+  EXPECT_THAT(large.message(), HasSubstr("Use --scale 0.5898 or less"));
 }
 
 TEST(Slice, MeasuresATooLargeObjectWithoutThePointsThatFlyFarAway) {

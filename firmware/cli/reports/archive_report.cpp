@@ -1,6 +1,7 @@
 #include "firmware/cli/reports/archive_report.hpp"
 
 #include <string_view>
+#include <utility>
 
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/version.hpp"
@@ -11,30 +12,34 @@ namespace plumbline {
 
 Status write_archive_report(OutputFile& out, const LayerArchive& archive, const std::string& name,
                             const JobSetup& setup, const std::string& refusal) {
-  const Sl1Settings& s = archive.settings();
+  const ArchiveSettings& s = archive.settings();
   FixedText<2048> text;
   text.add("print      %s: %u layer%s", PrintableText(name).c_str(), archive.layers(), plural_s(archive.layers()));
-  if (s.layer_height_mm) {
-    text.add(" of %.4g mm, %.2f mm high", *s.layer_height_mm, archive.layers() * *s.layer_height_mm);
+  if (const auto height = s.value(PrintKey::kLayerHeight)) {
+    text.add(" of %.4g mm, %.2f mm high", *height, archive.layers() * *height);
   }
   text.add("\npanel      %u x %u pixels", archive.columns(), archive.rows());
-  if (s.width_mm && s.depth_mm) text.add(", %.2f x %.2f mm", *s.width_mm, *s.depth_mm);
+  auto width = s.width_mm(), depth = s.depth_mm();
+  if (archive.is_turned()) std::swap(width, depth);
+  if (width && depth) text.add(", %.2f x %.2f mm", *width, *depth);
   text.add("\n");
-  if (s.exposure_s) {
-    text.add("exposure   %.4g s", *s.exposure_s);
-    if (s.initial_exposure_s) text.add(", the first layers %.4g s", *s.initial_exposure_s);
-    if (s.faded_layers) text.add(", %u layer%s in between", *s.faded_layers, plural_s(*s.faded_layers));
-    text.add("\n");
+  for (const PrintField& field : kPrintFields) {
+    const auto value = s.value(field.key);
+    if (value)
+      text.add("%-25.*s  %.6g%s\n", static_cast<int>(field.name.size()), field.name.data(), *value, field.unit);
   }
   if (setup.board) {
-    text.add("printer    %s: %s\n", setup.printer_name.c_str(), refusal.empty() ? "has this panel" : refusal.c_str());
+    text.add("printer    %s: %s\n", setup.printer_name.c_str(),
+             !refusal.empty()      ? refusal.c_str()
+             : archive.is_turned() ? "has this panel; it is printed turned by 90 degrees"
+                                   : "has this panel");
   }
   return out.write(text.view());
 }
 
 void write_archive_report(JsonWriter& json, const LayerArchive& archive, const std::string& name, const JobSetup& setup,
                           const std::string& refusal) {
-  const Sl1Settings& s = archive.settings();
+  const ArchiveSettings& s = archive.settings();
   json.begin_object();
   json.key("plumbline");
   json.begin_object(JsonWriter::Layout::kOneLine);
@@ -46,14 +51,14 @@ void write_archive_report(JsonWriter& json, const LayerArchive& archive, const s
   json.member("layers", archive.layers());
   json.member("columns", archive.columns());
   json.member("rows", archive.rows());
-  if (s.layer_height_mm) json.member("layer_height_mm", *s.layer_height_mm);
-  if (s.exposure_s) json.member("exposure_s", *s.exposure_s);
-  if (s.initial_exposure_s) json.member("initial_exposure_s", *s.initial_exposure_s);
-  if (s.faded_layers) json.member("faded_layers", *s.faded_layers);
+  for (const PrintField& field : kPrintFields) {
+    if (const auto value = s.value(field.key)) json.member(field.name, *value);
+  }
   json.end_object();
   if (setup.board) {
     json.member("printer", std::string_view(setup.printer_name));
     json.member("fits", refusal.empty());
+    json.member("turned", archive.is_turned());
     if (!refusal.empty()) json.member("refusal", std::string_view(refusal));
   }
   json.end_object();

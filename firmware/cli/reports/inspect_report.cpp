@@ -10,6 +10,7 @@
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
+#include "firmware/slice/proof_report.hpp"
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/core/words/plural.hpp"
 #include "slicer/plan/mesh_plan.hpp"
@@ -88,6 +89,7 @@ void add_print(Text& text, const ScanOutlook& o, std::string_view print_time) {
 void add_coverage(Text& text, const ScanOutlook& o) {
   if (o.scan.mesh) return;
   if (o.coverage) {
+    text.add("proven     %s\n", proven_text(o.scan.coarse.proof).c_str());
     text.add("scanned    %s\n", scanned_text(Unseen::of(o.coverage->shares)).c_str());
   } else {
     text.add("scanned    unknown: %s\n", o.scan.sliced.error().message());
@@ -127,6 +129,10 @@ void add_details(Text& text, const ScanOutlook& o) {
         big(o.scan.mesh->faces), big(o.scan.mesh->vertices), big(o.scan.mesh->broken_rays), big(o.scan.mesh->rays));
   }
   if (scan.header.has_normals) text.add("normals    of length zero: %llu\n", big(scan.without_normal));
+  if (o.scan.stated_views.count > 0) {
+    text.add("views      %u; where the scanner stood is known of %u\n", o.scan.stated_views.count,
+             o.scan.stated_views.scanners);
+  }
   const Vec3d size = o.scan.bounds.size();
   const Vec3d whole = o.scan.bounds_with_noise.size();
   text.add("extent     %.6g x %.6g x %.6g in the file's units, %.6g x %.6g x %.6g with outliers; 1 unit is 1 %s\n",
@@ -203,6 +209,11 @@ void write_scan(JsonWriter& json, const ScanOutlook& o) {
   json.member("normals_turned", o.scan.normals.turned);
   json.member("normals_inside_out", o.scan.normals.inside_out);
   json.member("normals_contradictory", o.scan.normals.contradictory);
+  json.key("views");
+  json.begin_object(kOneLine);
+  json.member("stated", o.scan.stated_views.count);
+  json.member("scanners_known", o.scan.stated_views.scanners);
+  json.end_object();
   if (o.scan_names.size() > 1) write_files(json, o.scan_names, o.scan.scans);
   json.end_object();
 }
@@ -340,6 +351,7 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   json.end_object();
   write_strays(json, s.strays);
   write_position(json, s);
+  write_proof(json, s.coarse.proof);
   json.key("never_seen");
   if (outlook.coverage) {
     json.begin_object(kOneLine);

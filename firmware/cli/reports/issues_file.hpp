@@ -4,6 +4,7 @@
 #include <string>
 
 #include "firmware/pictures/issue_picture.hpp"
+#include "firmware/pictures/mask_decoder.hpp"
 
 namespace plumbline {
 
@@ -11,6 +12,7 @@ struct CheckedMasks {
   std::string name;  ///< of the scan or stack
   PrintGrid grid;
   StackFindings findings;
+  GreyShare grey = {};  ///< of an archive
 };
 
 /// @param path  empty: nothing is written, nor if there is no issue

@@ -47,7 +47,7 @@ Status write_issue_picture(JobDirectory& directory, const PrintSession& session,
   const auto png = encode_page(arena, encoder, [&](std::span<std::uint8_t> rgb) {
     return draw_issues(*findings, sliced, session.supports(), name, arena, rgb);
   });
-  return png ? directory.write_picture(Picture::kIssues, *png) : Status();
+  return png ? directory.write_picture(JobPicture::kIssues, *png) : Status();
 }
 
 /// Writes the preview of the cured part, and a comparison that shows what was to be printed to its left.
@@ -91,9 +91,9 @@ Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep
     }
   }
   both.resize(kBothMemory);
-  PLUMBLINE_TRY(directory.write_picture(Picture::kPreview, encoder->encode(printed, kPreviewColumns, kPreviewRows)));
+  PLUMBLINE_TRY(directory.write_picture(JobPicture::kPreview, encoder->encode(printed, kPreviewColumns, kPreviewRows)));
   PLUMBLINE_TRY(
-      directory.write_picture(Picture::kComparison, encoder->encode(both, 2 * kPreviewColumns, kPreviewRows)));
+      directory.write_picture(JobPicture::kComparison, encoder->encode(both, 2 * kPreviewColumns, kPreviewRows)));
   return write_issue_picture(directory, session, rrep, job.scan_name, arena, *encoder);
 }
 

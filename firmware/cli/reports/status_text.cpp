@@ -74,6 +74,20 @@ void add_stick(std::string& page, std::string_view state) {
     any = true;
   });
   if (!any && !is_uploaded) add_line(page, "stick", "in the port");
+  const std::string folder = json_text(stick, "folder");
+  any = false;
+  const auto add_folder = [&](double number, const std::string& name, double entries) {
+    FixedText<200> line;
+    line.add("  %2.0f  %s", number, name.c_str());
+    if (entries > 0) line.add("/, %.0f inside", entries);
+    add_line(page, any ? "" : "folders", std::string(line.view()));
+    any = true;
+  };
+  if (!folder.empty()) add_folder(0, "back up: this is " + folder, 0);
+  for_each_element(object_of(stick, "folders"), [&](std::string_view one) {
+    add_folder(json_number(one, "number"), json_text(one, "name"), json_number(one, "entries"));
+  });
+  if (has(stick, "not_listed")) add_line(page, "", json_text(stick, "not_listed"));
 }
 
 void add_proposals(std::string& page, std::string_view state) {
@@ -114,6 +128,19 @@ void add_progress(std::string& page, std::string_view state) {
     line.add("%.1f of %.1f ml, a full tank has %.0f ml", json_number(resin, "used_ml"), json_number(resin, "needed_ml"),
              json_number(resin, "tank_ml"));
     add_line(page, "resin", std::string(line.view()));
+  }
+  if (has(state, "machine")) {
+    const auto machine = object_of(state, "machine");
+    FixedText<200> line;
+    if (has(machine, "resin_ml")) {
+      line.add("%.1f ml of resin", json_number(machine, "resin_ml"));
+    } else {
+      line.add("nobody has said how much resin");
+    }
+    add_line(page, "tank", std::string(line.view()));
+    line.clear();
+    line.add("lamp %.1f h, film %.0f layers", json_number(machine, "lamp_h"), json_number(machine, "film_layers"));
+    add_line(page, "used", std::string(line.view()));
   }
 }
 

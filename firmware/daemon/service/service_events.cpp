@@ -30,8 +30,9 @@ void ServiceEvents::serve(StateSocket& socket, const PrinterRecord& record, Comm
 
 Expected<std::optional<Event>> ServiceEvents::do_next_event(TimePoint deadline) {
   for (;;) {
+    if (at_each_look) at_each_look();
     if (socket_ != nullptr) {
-      if (const auto command = socket_->serve(*record_, *taker_)) return Event{clock_.now(), *command};
+      if (const auto command = socket_->serve(*record_, *taker_)) return Event{clock_.now(), *command, true};
     }
     if (uploads_ != nullptr && uploads_->receive()) return Event{clock_.now(), EventKind::kStickArrived};
     if (screen_ != nullptr) {

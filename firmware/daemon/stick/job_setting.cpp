@@ -7,6 +7,7 @@
 
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_length.hpp"
+#include "firmware/settings/print_values.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 
@@ -83,6 +84,12 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
     clear_rivals(job, key);
     return {};
   }
+  if (const PrintField* const field = find_print_field(key); field != nullptr && field->can_be_changed()) {
+    const auto number = parse_print_value(*field, value);
+    PLUMBLINE_TRY(number);
+    job.values[index_of(field->key)] = *number;
+    return {};
+  }
   if (key == "units") {
     const auto word = index_of(kUnitWords, value);
     if (!word) return refused(key, value, "mm, cm, m, in or auto");
@@ -130,11 +137,13 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
   }
   return telling(
       Told(PrinterCode::kSettingUnknown, {}, key),
-      fail(ErrorCode::kBadSetting,
-           "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, width, depth, height, length, floor, "
-           "orient, rotate_x_deg, "
-           "rotate_y_deg, rotate_z_deg, layer_height, supports, as, base and keep_all",
-           static_cast<int>(key.size()), key.data()));
+      fail(
+          ErrorCode::kBadSetting,
+          "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, width, depth, height, length, floor, "
+          "orient, rotate_x_deg, "
+          "rotate_y_deg, rotate_z_deg, layer_height, supports, as, base, keep_all, and exposures, lifts and waits as a "
+          "profile names them",
+          static_cast<int>(key.size()), key.data()));
 }
 
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "firmware/daemon/stick/scan_feed.hpp"
+#include "firmware/io/interrupt.hpp"
 #include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
@@ -161,6 +162,11 @@ Status ScanSlicing::watch(const StickMount* mount, const ScanRequest& request, b
   return broke(request, numbered("reading it made no progress for ", static_cast<long>(waited), " s"));
 }
 
+Status ScanSlicing::look(const StickMount& mount) {
+  PLUMBLINE_TRY(look_at_buttons());
+  return mount.check();
+}
+
 Status ScanSlicing::look_at_buttons() {
   bool cancelled = false;
   for (;;) {
@@ -174,10 +180,10 @@ Status ScanSlicing::look_at_buttons() {
   return {};
 }
 
-/// The child may be waiting for a stick that does not answer: then this takes until the kernel gives up.
+/// The child may be waiting for a stick that does not answer: then this takes until the kernel gives up, or the system asks to end.
 Expected<int> ScanSlicing::kill_and_wait() {
-  child_.kill();
   for (;;) {
+    child_.kill(shutdown_ || interrupted() ? 5s : SlicingChild::kEndPatience);
     const auto ended = child_.wait(kChildLook);
     PLUMBLINE_TRY(ended);
     if (*ended) return **ended;

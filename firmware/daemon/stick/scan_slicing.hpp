@@ -54,6 +54,11 @@ class ScanSlicing {
   [[nodiscard]] Expected<Proposals> propose(const StickMount& mount, std::span<StickFile> scan,
                                             const ScanRequest& request);
 
+  /// What may end the work on a stick: for whoever reads it here.
+  /// @retval ErrorCode::kCancelled  cancel was pressed, or the system shuts down: see shutdown()
+  /// @retval the errors of StickMount::check()
+  [[nodiscard]] Status look(const StickMount& mount);
+
   /// Has a job file read by a child.
   /// @retval the errors of check_job_answer(), and those of run()
   [[nodiscard]] Expected<StickJob> read_job(const StickMount& mount, StickFile& file);

@@ -20,12 +20,20 @@ constexpr std::array<std::string_view, 4> kSizeWords = {"width", "depth", "heigh
 struct JobTexts {
   std::array<std::string, kSizeWords.size()> sizes;
   std::string floor;
+  // Of print settings, where the file has them.
+  static constexpr double kNotSaid = -1;
+  std::array<double, kPrintKeyCount> numbers;
+  std::array<std::uint32_t, kPrintKeyCount> counts;
+  JobTexts() {
+    numbers.fill(kNotSaid);
+    counts.fill(UINT32_MAX);
+  }
 };
 static_assert(static_cast<int>(Side::kWidth) == 0 && static_cast<int>(Side::kLength) == 3);
 
 std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
   constexpr auto kOptional = Presence::kOptional;
-  return {
+  std::vector<SettingRule> rules = {
       {"job", "scan", PathListSetting{&job.scans, kMostScans}, 1, 255},
       {"job", "profile", TextSetting{&job.profile}, 1, 63, "", kOptional},
       {"job", "supports", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.supports = word == 1; }}, 0, 0,
@@ -48,6 +56,16 @@ std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
       {"placement", "rotate_z_deg", &job.rotate_z_deg, -360, 360, " degrees", kOptional},
       {"placement", "layer_height", &job.layer_height, kFinestMm, kCoarsestMm, " mm", kOptional},
   };
+  for (const PrintField& field : kPrintFields) {
+    if (!field.can_be_changed()) continue;
+    const std::size_t i = index_of(field.key);
+    if (field.is_whole()) {
+      rules.push_back({"print", field.name, &texts.counts[i], field.low, field.high, field.unit, kOptional});
+    } else {
+      rules.push_back({"print", field.name, &texts.numbers[i], field.low, field.high, field.unit, kOptional});
+    }
+  }
+  return rules;
 }
 
 /// Sets the job's size and floor from their texts.
@@ -91,6 +109,10 @@ Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path)
   const auto check = [&](const SettingRule& rule) { return take_text(job, texts, rule.key); };
   const auto parsed = parse_settings(text, path, {"a job file", rules, nullptr, check});
   if (!parsed) return tl::unexpected<Error>(as_setting_error(parsed.error()));
+  for (std::size_t i = 0; i < kPrintKeyCount; ++i) {
+    if (texts.numbers[i] >= 0) job.values[i] = texts.numbers[i];
+    if (texts.counts[i] != UINT32_MAX) job.values[i] = texts.counts[i];
+  }
   return job;
 }
 
@@ -99,7 +121,9 @@ std::string StickJob::title() const { return scans.empty() ? "" : title_of(scans
 Status find_files(StickJob& job, const StickMount& mount) {
   if (job.scans.size() != 1 || !mount.is_folder(job.scans[0])) return {};
   struct Listing final : StickMount::FileVisitor {
-    void on_file(std::string_view name, std::uint64_t /*bytes*/) override { scans.add(name); }
+    void on_file(std::string_view name, const StickFileFacts& facts) override {
+      if (facts.partition == 0) scans.add(name);
+    }
     void on_other(std::string_view /*name*/, const char* /*what*/) override {}
     FolderScans scans;
   } listing;

@@ -5,6 +5,7 @@
 #include <ctime>
 
 #include "firmware/io/text/fixed_text.hpp"
+#include "firmware/io/wall_clock.hpp"
 #include "hal/process/report_folder.hpp"
 
 namespace plumbline {
@@ -21,11 +22,13 @@ ReportName name_of(const KeptPrint& print, KeptPrints::Part part, std::string_vi
     const bool plain = c != '.' && is_report_name({&c, 1});
     name.add("%c", plain ? c : '-');
   }
-  const auto ended = static_cast<std::time_t>(print.ended_at);
-  std::tm day{};
-  ::gmtime_r(&ended, &day);
-  name.add("-%04d%02d%02d-%04u.%s", std::clamp(day.tm_year + 1900, 0, 9999), day.tm_mon + 1, day.tm_mday, print.number,
-           part == KeptPrints::Part::kReport ? "json" : "png");
+  if (known_time(print.ended_at) != 0) {
+    const auto ended = static_cast<std::time_t>(print.ended_at);
+    std::tm day{};
+    ::gmtime_r(&ended, &day);
+    name.add("-%04d%02d%02d", std::clamp(day.tm_year + 1900, 0, 9999), day.tm_mon + 1, day.tm_mday);
+  }
+  name.add("-%04u.%s", print.number, part == KeptPrints::Part::kReport ? "json" : "png");
   return name;
 }
 
@@ -38,8 +41,9 @@ class ReportVisitor final : public StickMount::FileVisitor {
  public:
   ReportVisitor(const KeptPrints& prints, std::string_view printer) : prints_(prints), printer_(printer) {}
 
-  void on_file(std::string_view name, std::uint64_t /*bytes*/) override { note(name); }
+  void on_file(std::string_view name, const StickFileFacts& /*facts*/) override { note(name); }
   void on_other(std::string_view name, const char* /*what*/) override { note(name); }
+  bool wants_facts(std::string_view /*name*/) override { return false; }
   bool seen(std::size_t print, std::size_t part) const { return seen_[print][part]; }
 
  private:

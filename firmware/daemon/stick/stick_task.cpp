@@ -54,6 +54,7 @@ void hand_back(const StickJob& job, ScanAnswer& answer) {
   fields.scale = job.scale;
   fields.rotate_deg = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
   fields.layer_height = job.layer_height;
+  fields.values = pass(job.values);
   answer.kind = ScanAnswer::kJob;
 }
 
@@ -103,7 +104,9 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
                        is_within(fields.floor_height, -kLargestFloorHeight, kLargestFloorHeight) &&
                        is_within(fields.scale, kSmallestScale, kLargestScale) &&
                        (fields.layer_height == 0 || is_within(fields.layer_height, kFinestMm, kCoarsestMm));
-  if (answer.kind != ScanAnswer::kJob || !named || !is_setting_name(job.profile) || !angles || !choices || !lengths) {
+  const bool values = receive(fields.values, job.values) == nullptr;
+  if (answer.kind != ScanAnswer::kJob || !values || !named || !is_setting_name(job.profile) || !angles || !choices ||
+      !lengths) {
     return fail(ErrorCode::kBadSetting, "what was read of it does not add up");
   }
   job.units = static_cast<Units>(fields.units);

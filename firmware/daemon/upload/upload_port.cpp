@@ -19,12 +19,12 @@ Expected<StickIdentity> UploadPort::do_identity() const {
   return StickIdentity{};
 }
 
-Expected<int> UploadPort::do_mount() {
+Expected<StickParts> UploadPort::do_mount() {
   if (!do_has_stick()) return none();
   const int folder = store_.open_folder();
   if (folder < 0) return fail(ErrorCode::kMountFailed, "the uploaded scan can't be read: %s", std::strerror(errno));
   mounted_ = store_.kept_count();
-  return folder;
+  return StickParts{{folder}, 1};
 }
 
 Expected<bool> UploadPort::do_store(const StickReport& /*report*/) { return not_stored(EROFS); }

@@ -19,7 +19,7 @@ class UploadPort final : private UploadPortPower, public StickPort {
  private:
   bool do_has_stick() const override { return !store_.kept().empty(); }
   Expected<StickIdentity> do_identity() const override;
-  Expected<int> do_mount() override;
+  Expected<StickParts> do_mount() override;
   Expected<bool> do_store(const StickReport& report) override;
   Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) override;
   /// @retval ErrorCode::kStickGone  another scan is kept since

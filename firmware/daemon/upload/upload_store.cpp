@@ -18,8 +18,8 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kIncoming = ".incoming";
-constexpr mode_t kFileMode = 0600;
-constexpr mode_t kFolderMode = 0700;
+constexpr mode_t kUploadFileMode = 0600;
+constexpr mode_t kUploadFolderMode = 0700;
 
 bool is_newer(const timespec& a, const timespec& b) {
   return a.tv_sec != b.tv_sec ? a.tv_sec > b.tv_sec : a.tv_nsec > b.tv_nsec;
@@ -45,7 +45,7 @@ Expected<UploadStore> UploadStore::open(const std::string& state, std::uint64_t 
   store.most_bytes_ = most_bytes;
   store.path_.add("%s/uploads", state.c_str());
   const char* const path = store.path_.c_str();
-  if (::mkdir(path, kFolderMode) != 0 && errno != EEXIST) {
+  if (::mkdir(path, kUploadFolderMode) != 0 && errno != EEXIST) {
     return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s", path, std::strerror(errno));
   }
   store.folder_ = Descriptor(::open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW));
@@ -109,8 +109,8 @@ Status UploadStore::begin(std::string_view name, std::uint64_t bytes) {
              "the printer's storage has %.0f MiB free, and this scan needs %.0f MiB.\tMake room on it, or use a stick",
              mib(free), mib(bytes + JobStore::kSpareBytes)));
   }
-  file_ =
-      Descriptor(::openat(folder_.get(), kIncoming, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kFileMode));
+  file_ = Descriptor(
+      ::openat(folder_.get(), kIncoming, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kUploadFileMode));
   if (!file_.is_open()) return cannot_write();
   // Takes the room now, where the file system can, so that nobody sends all of it in vain.
   if (::fallocate(file_.get(), FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes)) != 0 && errno != EOPNOTSUPP &&

@@ -42,6 +42,10 @@ class FixedText {
   bool cut_ = false;
 };
 
+/// A finding and what to do about it: the longest that is said, with the largest values, fits. Where it goes on to, there is as much room.
+inline constexpr std::size_t kLongestSentence = 448;
+using Sentence = FixedText<kLongestSentence>;
+
 /// For "%llu", since std::uint64_t is another type on other architectures.
 constexpr unsigned long long big(std::uint64_t number) { return number; }
 

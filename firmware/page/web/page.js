@@ -76,31 +76,66 @@ async function lookAtAccess() {
     if (paired.token) localStorage.setItem("token", paired.token);
     access.paired = Boolean(paired.token);
   }
+  showBrowsers();
 }
-async function command(body) {
+// Commands go one after the other, so that each is meant for what the one before has made of the printer.
+let sendings = 0, lastSent = Promise.resolve(), stateCame = () => {};
+function command(body) {
+  sendings += 1;
+  markButtons();
   show("notice", false);
+  lastSent = lastSent.then(() => send(body)).finally(() => {
+    sendings -= 1;
+    markButtons();
+  });
+  return lastSent;
+}
+async function send(body) {
   try {
     if (!access.paired) await lookAtAccess();
     if (!access.paired && !await pair()) return;
     const reply = await post("/command", body);
     if (reply.status === 401) {
       access.paired = false;
-      return command(body);
+      return await send(body);
     }
-    if (!reply.ok) show("notice", true, refusal(reply));
+    if (!reply.ok) return show("notice", true, refusal(reply));
+    // What it has changed is in the next state. If nothing has, none comes.
+    await new Promise((done) => { stateCame = done; setTimeout(done, 500); });
   } catch {
     show("notice", true, words.lost);
   }
 }
 
+// The printer shows one code at a time, and takes it from the browser that asked alone: from whoever knows the name that this one gave itself.
+function ownName() {
+  const name = localStorage.getItem("ask") || Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+  localStorage.setItem("ask", name);
+  return name;
+}
+// What it is called in the list of paired browsers.
+function shownName() {
+  const first = (names) => (names.find(([, pattern]) => pattern.test(navigator.userAgent)) || [""])[0];
+  return [first([["Firefox", /Firefox|FxiOS/], ["Edge", /Edg/], ["Opera", /OPR/], ["Chrome", /Chrome|CriOS/], ["Safari", /Safari/]]),
+          first([["Android", /Android/], ["iPhone", /iPhone/], ["iPad", /iPad/], ["Windows", /Windows/], ["Mac", /Macintosh/], ["Linux", /Linux/]])]
+    .filter(Boolean).join(", ");
+}
 // Asks for the code on the printer's screen. Gives back whether this browser is paired now.
 function pair() {
-  const dialog = $("pair"), form = dialog.querySelector("form");
+  const dialog = $("pair"), form = dialog.querySelector("form"), ask = ownName();
   return new Promise((done) => {
     const wrong = (reply) => show("pair-error", !reply.ok, reply.ok ? "" : refusal(reply));
+    // Whoever has to wait for another browser's code asks again, which keeps the place.
+    const askForCode = async () => {
+      const reply = await post("/pair", {ask});
+      if (!dialog.open) return;
+      wrong(reply);
+      const wait = reply.told && reply.told.values.wait_s;
+      if (wait) setTimeout(() => { if (dialog.open) askForCode(); }, 1000 * Math.min(wait, 5));
+    };
     form.onsubmit = async (event) => {
       event.preventDefault();
-      const reply = await post("/pair", {code: $("code").value});
+      const reply = await post("/pair", {code: $("code").value, ask, name: shownName()});
       wrong(reply);
       if (!reply.token) return;
       localStorage.setItem("token", reply.token);
@@ -108,15 +143,49 @@ function pair() {
       dialog.close();
     };
     form.querySelector("button[type=button]").onclick = () => dialog.close();
-    dialog.onclose = () => done(access.paired);
+    dialog.onclose = () => {
+      if (!access.paired) post("/pair", {ask, stop: true}).catch(() => {});
+      showBrowsers();
+      done(access.paired);
+    };
     $("code").value = "";
     dialog.showModal();
-    post("/pair", {}).then(wrong);
+    askForCode().catch(() => {});
   });
 }
 
+// Browsers that may command the printer; a paired one may forget them.
+async function showBrowsers() {
+  const reply = access.page === "network" && access.paired ? await fetch("/browsers", {headers: {"Plumbline-Token": localStorage.getItem("token") || ""}}).catch(() => null) : null;
+  $("browsers").hidden = !reply || !reply.ok;
+  if ($("browsers").hidden) return;
+  const {browsers} = await reply.json();
+  const time = (value) => value ? new Date(value).toLocaleString(words.locale, {dateStyle: "short", timeStyle: "short"}) : words.timeUnknown;
+  fill($("browsers").querySelector("ul"), browsers, () => browsers.map((one) => {
+    const line = element("li"), text = element("span"), button = element("button", words.forget, {type: "button", class: "danger"});
+    const name = `${one.name || words.browser} ${one.number}`;
+    text.append(element("strong", one.this ? `${name} (${words.thisBrowser})` : name),
+                element("div", `${words.pairedAt} ${time(one.paired_at)}, ${words.seenAt} ${time(one.seen_at)}`, {class: "pale"}));
+    button.setAttribute("aria-label", `${words.forget}: ${name}`);
+    button.onclick = () => {
+      ask(words.forgetTitle, `${name} ${words.forgetText}`, words.keepPaired, words.forget, null);
+      $("ask").onclose = () => { if ($("ask").returnValue === "yes") forget(one); };
+    };
+    line.append(text, button);
+    return line;
+  }));
+}
+async function forget(browser) {
+  const reply = await post("/forget", {browser: browser.number}).catch(() => ({error: words.lost}));
+  if (reply.error) show("notice", true, refusal(reply));
+  else if (browser.this) access.paired = false;
+  showBrowsers();
+}
+
 // Asks before it sends a command that can't be taken back.
-function ask(title, text, no, yes, body) {
+let isOpenStill = () => true;  // whether what the open question is about is still there
+function ask(title, text, no, yes, body, isThere) {
+  isOpenStill = isThere;
   const dialog = $("ask"), [stay, go] = dialog.querySelectorAll("button");
   $("ask-title").textContent = title;
   $("ask-text").textContent = text;
@@ -126,7 +195,17 @@ function ask(title, text, no, yes, body) {
   dialog.onclose = () => { if (dialog.returnValue === "yes") command(body); };
   dialog.showModal();
 }
-const askToCancel = () => ask(words.askTitle, words.askText, words.keep, words.end, {do: "cancel"});
+const askAboutTank = () => ask(words.tankTitle, words.tankText, words.tankNo, words.tankYes, {do: "filled"}, () => true);
+function askToCancel(about) {
+  const isThere = () => (about === jobId() || about === state.asks) && state.commands.includes("cancel");
+  ask(words.askTitle, words.askText, words.keep, words.end, {do: "cancel", ...about && {for: about}}, isThere);
+}
+function closeOldQuestion() {
+  if (!$("ask").open || isOpenStill()) return;
+  $("ask").returnValue = "";
+  $("ask").close();
+  show("notice", true, words.over);
+}
 
 // --- The parts of the page
 
@@ -139,15 +218,38 @@ function buttonText(name) {
   if (name === "offer" && !state.stick.present) return words.offerUpload;
   return name === "start" && state.sliced ? words.again : words[name];
 }
+// A button is made anew with each question and keeps what it is for, so a click counts only for the question that was there when the pointer
+// went down. And one of a person's two quick clicks on a button must not hit the next question's, which stands in the same place.
+const settle = 1000;  // ms, as the printer's own buttons
+let asked = "", askedAt = 0;
+const jobId = () => state.job && state.job.id || null;
+const answers = (name) => state.asks && name !== "pause";
+const isTooSoon = (name) => sendings > 0 || Boolean(answers(name)) && performance.now() < askedAt + settle;
+function markButtons() {
+  for (const button of $("buttons").children) button.setAttribute("aria-disabled", isTooSoon(button.dataset.do));
+}
 function showButtons() {
-  const names = state.commands.filter((name) => !["choose", "set", "remove", "propose"].includes(name));
-  fill($("buttons"), [names, names.map(buttonText)], () => names.map((name) => {
-    const kind = name === "cancel" ? "danger" : name === "pause" ? "" : "main";
+  const names = state.commands.filter((name) => !["choose", "set", "remove", "propose", "open"].includes(name));
+  // No state lists it: the tank can be filled whenever nothing is printed.
+  if (state.machine && ["idle", "offered", "interrupted", "plate in use", "paused", "feed me"].includes(state.state)) names.push("filled");
+  const look = JSON.stringify([state.state, names.map(buttonText)]);
+  if (look !== asked) {
+    if (asked) askedAt = performance.now();
+    asked = look;
+    setTimeout(markButtons, settle + 10);
+  }
+  fill($("buttons"), [names, names.map(buttonText), state.asks, jobId()], () => names.map((name) => {
+    const kind = name === "cancel" ? "danger" : ["pause", "filled"].includes(name) ? "" : "main";
     const button = element("button", buttonText(name), {class: kind, "data-do": name});
     const asks = name === "cancel" && (isRunning() || state.state === "interrupted");
-    button.onclick = () => asks ? askToCancel() : command({do: name});
+    const about = name === "offer" ? null : answers(name) && !(name === "cancel" && isRunning()) ? state.asks : jobId();
+    button.onclick = () => {
+      if (isTooSoon(name)) return show("notice", true, words.tooSoon);
+      return asks ? askToCancel(about) : name === "filled" ? askAboutTank() : command({do: name, ...about && {for: about}});
+    };
     return button;
   }));
+  markButtons();
 }
 function showFacts() {
   const rows = [];
@@ -157,13 +259,16 @@ function showFacts() {
   if (sliced) {
     const sides = [sliced.width_mm, sliced.depth_mm, sliced.height_mm].map((side) => number(side, 1)).join(" × ");
     rows.push([words.size, `${sides} mm`], [words.layers, `${sliced.layers} × ${number(sliced.layer_height_mm, 3)} mm`]);
+    if (sliced.points_off_percent >= 0.1) rows.push([words.pointsOff, `${number(sliced.points_off_percent, 1)} %`]);
+    if (sliced.grey_percent) rows.push([words.grey, `${number(sliced.grey_percent, 1)} %, ${number(sliced.grey_lost_percent, 1)} % ${words.vanish}`]);
     if (!progress) rows.push([words.time, duration(sliced.time_s)], [words.resin, `${number(sliced.resin_ml, 1)} ml`]);
   }
   if (progress) {
     rows.push([words.layer, `${Math.min(progress.layers_done + 1, progress.layers)} ${words.of} ${progress.layers}`],
               [words.height, `${number(progress.height_mm, 2)} mm`], [words.elapsed, duration(progress.elapsed_s)]);
-    if (progress.ends_at) {
-      rows.push([words.ends, new Date(progress.ends_at).toLocaleString(words.locale, {dateStyle: "short", timeStyle: "short"})]);
+    if (["checks", "homing", "printing"].includes(state.state)) {
+      // By this browser's clock: the printer's may never have been set.
+      rows.push([words.ends, new Date(Date.now() + 1000 * progress.left_s).toLocaleString(words.locale, {dateStyle: "short", timeStyle: "short"})]);
     }
     if (resin) {
       rows.push([words.resin, `${number(resin.used_ml, 1)} ml ${words.used}, ${number(resin.needed_ml, 1)} ml ${words.needed}, ` +
@@ -171,13 +276,18 @@ function showFacts() {
     }
     if (progress.slack_s !== null) rows.push([words.slack, `${number(progress.slack_s, 1)} s ${words.before}`]);
   }
+  if (state.machine) {
+    const left = state.machine.resin_ml;
+    rows.push([words.resinLeft, left === null ? words.resinUnknown : `${number(left, 1)} ml`]);
+  }
   fill($("facts"), rows, () => rows.flatMap(([name, value]) => [element("dt", name), element("dd", value)]));
 }
 function showNow() {
   const offersSliced = state.state === "offered" && state.sliced;
   const offersUpload = state.state === "offered" && state.stick.uploaded;
   const proposes = Boolean(state.slicing && state.slicing.proposes);
-  show("title", true, proposes ? words.proposing : offersSliced ? words.sliced : offersUpload ? words.offeredUpload : words[state.state] || state.state);
+  const pauses = Boolean(state.message_told && state.message_told.code === "pause_taken");
+  show("title", true, pauses ? words.pausing : proposes ? words.proposing : offersSliced ? words.sliced : offersUpload ? words.offeredUpload : words[state.state] || state.state);
   let hint = words.hints[state.state] || "";
   if (state.state === "idle" && state.stick.present) hint = words.hints.stick;
   else if (state.state === "idle" && state.commands.includes("offer")) hint = words.hints.kept;
@@ -186,7 +296,7 @@ function showNow() {
   if (state.state === "offered") hint = offersSliced ? words.hints.sliced : state.stick.job_file ? words.hints.job : words.hints.offered;
   show("hint", hint !== "", hint);
   show("question", Boolean(state.question), worded(state.question_told, state.question || ""));
-  show("answers", Boolean(state.question), words.answers);  // the printer speaks of its own buttons
+  show("answers", Boolean(state.question) && state.commands.includes("resume"), words.answers);  // the printer speaks of its own buttons
   // A message without a code says what title, hint and facts say, too.
   const message = state.message_told && (!said || inWords(state.message_told)) ? worded(state.message_told, state.message || "") : "";
   show("message", message !== "" && !state.fault, message);
@@ -210,8 +320,12 @@ function showNow() {
     $("progress").textContent = `${Math.round(100 * done)} %`;
   }
   const waits = progress && (isRunning() || state.state === "interrupted");
-  show("left", Boolean(waits), waits ? `${Math.floor(100 * done)} % · ${words.locale === "de-DE" ? `${words.left} ${duration(progress.left_s)}` : `${duration(progress.left_s)} ${words.left}`}` : "");
+  // Between two states the time goes on. That of a simulated printer may run faster.
+  const left = progress && Math.max(0, progress.left_s - (progress.ends_at && !state.simulated ? (performance.now() - tookAt) / 1000 : 0));
+  show("left", Boolean(waits), waits ? `${Math.floor(100 * done)} % · ${words.locale === "de-DE" ? `${words.left} ${duration(left)}` : `${duration(left)} ${words.left}`}` : "");
 }
+// Numbers begin again when the printer's software does. With the job's id no picture is taken for that of another one.
+const ofJob = () => jobId() ? `job=${jobId()}&` : "";
 // What the colours of the picture of the scanned surface mean.
 function coverageLegend() {
   const list = element("ul", undefined, {class: "legend"});
@@ -229,7 +343,7 @@ function showPictures() {
     return figure;
   })]);
   for (const [name, value] of there) {
-    const address = `/picture/${name}?n=${value}`, img = $(`picture-${name}`);
+    const address = `/picture/${name}?${ofJob()}n=${value}`, img = $(`picture-${name}`);
     if (img.getAttribute("src") !== address) img.src = address;
   }
 }
@@ -265,7 +379,7 @@ function loadSide(side) {
     if (of === sidesOf) sidePictures[side] = picture;
     if (sidesOf !== null) showSide();
   };
-  picture.src = `/side?n=${side}&of=${of}`;
+  picture.src = `/side?${of}&n=${side}`;
 }
 function turnBy(steps) {
   turns = true;
@@ -292,7 +406,7 @@ $("stage").onpointermove = (event) => {
 };
 $("stage").onpointerup = $("stage").onpointercancel = () => { dragFrom = null; };
 function showTurn() {
-  const of = state.pictures && state.pictures.side || null;
+  const of = state.pictures && state.pictures.side ? `${ofJob()}of=${state.pictures.side}` : null;
   $("turn").hidden = of === null;
   if (of === sidesOf) return;
   sidesOf = of;
@@ -304,15 +418,16 @@ function showTurn() {
 }
 
 // The slider asks for one layer at a time, and then for where it stands by now.
-let layerAsked = 0;
+let layerAsked = 0, layersOf = null;
 function showLayer() {
   const layer = Number($("layer").value);
   $("which").textContent = `${words.layer} ${layer} ${words.of} ${$("layer").max}, ${number(layer * state.sliced.layer_height_mm, 2)} mm`;
   if (layerAsked || $("mask").dataset.layer === String(layer)) return;
   layerAsked = layer;
-  $("mask").src = `/mask?n=${layer - 1}`;
+  $("mask").src = `/mask?${ofJob()}n=${layer - 1}`;
 }
-$("mask").onload = $("mask").onerror = () => {
+$("mask").onload = $("mask").onerror = (event) => {
+  show("mask-error", event.type === "error", words.noMask);
   $("mask").dataset.layer = layerAsked;
   layerAsked = 0;
   if (state && state.masks) showLayer();
@@ -320,18 +435,24 @@ $("mask").onload = $("mask").onerror = () => {
 $("layer").oninput = showLayer;
 function showMasks() {
   const shown = Boolean(state.masks && state.sliced);
-  if (shown && $("layers").hidden) {
-    $("layer").max = state.sliced.layers;
-    $("layer").value = Math.ceil(state.sliced.layers / 2);
-    delete $("mask").dataset.layer;
-    showLayer();
-  }
+  const of = shown ? jobId() || "" : null;
   $("layers").hidden = !shown;
+  if (of === layersOf) return;
+  // Nothing of another job stays, nor may what is on its way come in its place.
+  layersOf = of;
+  layerAsked = 0;
+  delete $("mask").dataset.layer;
+  $("mask").removeAttribute("src");
+  show("mask-error", false);
+  if (!shown) return;
+  $("layer").max = state.sliced.layers;
+  $("layer").value = Math.ceil(state.sliced.layers / 2);
+  showLayer();
 }
 function showStick() {
-  const {scans, left_out: leftOut} = state.stick;
+  const {scans, folder, folders, not_listed: notListed} = state.stick;
   $("stick").hidden = scans.length === 0;
-  $("stick").querySelector("h2").textContent = state.stick.uploaded ? words.uploadedTitle : words.stickTitle;
+  $("stick").querySelector("h2").textContent = state.stick.uploaded ? words.uploadedTitle : folder ? `${words.stickTitle}: ${folder}` : words.stickTitle;
   const mayChoose = state.commands.includes("choose") && !state.sliced;
   const chosen = state.job ? state.job.number : null;
   const unpictured = scans.map(({picture, ...scan}) => scan);
@@ -341,7 +462,7 @@ function showStick() {
     button.disabled = !mayChoose;
     const name = scan.files > 1 ? `${scan.files} ${words.asOne}: ${scan.name}, …` : scan.name;
     button.append(element("img", undefined, {alt: words.scanPicture}), element("span", name), element("span", size(scan.bytes), {class: "pale"}));
-    button.onclick = () => command({do: "choose", scan: scan.number});
+    button.onclick = () => command({do: "choose", scan: scan.number, ...state.asks && {for: state.asks}});
     line.append(button);
     if (scan.problem) line.append(element("p", worded(scan.told, scan.problem), {class: "problem"}));
     return line;
@@ -353,7 +474,17 @@ function showStick() {
     const address = `/scan.png?n=${scan.number}&of=${scan.picture}`;
     if (scan.picture && image.getAttribute("src") !== address) image.src = address;
   });
-  show("left-out", leftOut > 0, `${leftOut} ${words.leftOut}`);
+  const mayOpen = state.commands.includes("open");
+  fill($("folders"), [folders, folder, mayOpen, Boolean(said)], () => [...folder ? [{number: 0, name: words.folderUp}] : [], ...folders].map((one) => {
+    const line = element("li");
+    const button = element("button");
+    button.disabled = !mayOpen;
+    button.append(element("span", one.number ? `${one.name}/` : one.name), element("span", one.number ? `${one.entries} ${words.inside}` : "", {class: "pale"}));
+    button.onclick = () => command({do: "open", folder: one.number, ...state.asks && {for: state.asks}});
+    line.append(button);
+    return line;
+  }));
+  show("left-out", Boolean(notListed), notListed && worded(state.stick.not_listed_told, notListed));
 }
 
 // A scan from this device into the printer's store. The printer is asked first, since a browser that is refused while it sends a long file may
@@ -437,7 +568,8 @@ $("send").onsubmit = (event) => {
 };
 $("stored").lastElementChild.onclick = () => {
   const {name} = state.stored;
-  ask(words.removeTitle, `${name} ${words.removeText}`, words.keepStored, words.remove, {do: "remove", name});
+  ask(words.removeTitle, `${name} ${words.removeText}`, words.keepStored, words.remove, {do: "remove", name},
+      () => state.stored && state.stored.name === name);
 };
 $("stop-upload").onclick = () => { if (sending) sending.abort.abort(); };
 
@@ -467,7 +599,7 @@ function makeSettings() {
     if (kind === "number") Object.assign(input, {min: 0, step: "any"});
     input.onchange = () => {
       const [key, value] = toSend(input.value);
-      command({do: "set", key, value});
+      command({do: "set", key, value, ...jobId() && {for: jobId()}});
     };
     const line = element("div");
     line.append(element("label", label, {for: id}), input);
@@ -492,22 +624,50 @@ function showSettings() {
     if (input.value !== String(value)) input.value = value;
   }
 }
+// What will be done, each value with who has said it. While the printer asks, those that need no new layers may be changed.
+function showContract() {
+  $("contract").hidden = !state.sliced;
+  if (!state.sliced) return;
+  const {values} = state.sliced, mayChange = state.state === "offered" && state.commands.includes("set");
+  show("contract-hint", mayChange, words.contractHint);
+  fill($("values"), [values.map(({key, source}) => [key, source]), mayChange, Boolean(said)], () => values.map(({key, unit, source, can_change: canChange}) => {
+    const row = element("tr", undefined, {class: source}), cell = element("td"), id = `value-${key}`;
+    if (canChange && mayChange) {
+      const input = element("input", undefined, {id, type: "number", step: "any", min: 0});
+      input.onchange = () => command({do: "set", key, value: input.value, ...jobId() && {for: jobId()}});
+      cell.append(input);
+    } else {
+      cell.append(element("span", undefined, {id}));
+    }
+    cell.append(` ${unit}`);
+    const name = said && said.fields[key] || key.replaceAll("_", " ");
+    const head = element("th", undefined, {scope: "row"});
+    head.append(canChange && mayChange ? element("label", name, {for: id}) : name);
+    row.append(head, cell, element("td", said && said.sources[source] || words.sources[source]));
+    return row;
+  }));
+  for (const {key, value} of values) {
+    const node = $(`value-${key}`);
+    if (node.tagName === "SPAN") node.textContent = value.toLocaleString(words.locale, {maximumFractionDigits: 3});
+    else if (document.activeElement !== node && node.value !== String(value)) node.value = value;
+  }
+}
 // The best ways up, each with a picture and what it costs, beside the scan as it lies. The printer looks for them when somebody asks.
 function showWays() {
   const proposals = state.proposals || [], of = state.pictures && state.pictures.proposal, chosen = state.job ? state.job.proposal : null;
   $("ways").hidden = !state.commands.includes("propose");
   $("propose").hidden = proposals.length > 0;
   show("ways-hint", true, proposals.length ? words.waysLegend : words.waysHint);
-  fill($("proposals"), [proposals, of], () => proposals.map((way) => {
+  fill($("proposals"), [proposals, of, jobId()], () => proposals.map((way) => {
     const line = element("li"), button = element("button", undefined, {type: "button", "data-proposal": way.number});
     const name = way.number ? `${words.way} ${way.number}` : words.unturned;
-    if (of) button.append(element("img", undefined, {src: `/proposal?n=${way.number}&of=${of}`, alt: words.front}));
+    if (of) button.append(element("img", undefined, {src: `/proposal?${ofJob()}n=${way.number}&of=${of}`, alt: words.front}));
     button.append(element("strong", name));
     for (const text of [`${words.overhang} ${number(way.support_ml, 1)} ml, ${number(way.support_mm2 / 100, 1)} cm²`,
                         `${words.height} ${number(way.height_mm, 1)} mm`, `${words.largestLayer} ${number(way.peel_mm2 / 100, 1)} cm²`]) {
       button.append(element("span", text));
     }
-    button.onclick = () => command({do: "set", key: "proposal", value: way.number});
+    button.onclick = () => command({do: "set", key: "proposal", value: way.number, ...state.asks && {for: state.asks}});
     line.append(button);
     return line;
   }));
@@ -515,7 +675,7 @@ function showWays() {
     button.setAttribute("aria-pressed", Number(button.dataset.proposal) === chosen);
   }
 }
-$("propose").onclick = () => command({do: "propose"});
+$("propose").onclick = () => command({do: "propose", ...jobId() && {for: jobId()}});
 function showLists() {
   const findings = state.findings.map((one) => [one.severity, worded(one.told, one.text)]);
   const checks = state.checks.map((one) => [one.outcome, `${words.checkNames[one.check] || one.check}: ${worded(one.told, one.detail)}`]);
@@ -534,7 +694,7 @@ function showPrints() {
     if (print.preview) line.append(element("img", undefined, {src: `/print.png?n=${print.number}&of=${print.ended_at}`, alt: words.preview, loading: "lazy"}));
     const name = element("strong", print.scan);
     const facts = `${words[print.result] || print.result} · ${words.layers} ${print.layers_done} ${words.of} ${print.layers} · ` +
-      `${number(print.resin_ml, 1)} ml · ${ended}`;
+      `${number(print.resin_ml, 1)} ml${ended && ` · ${ended}`}`;
     const link = element("a", words.downloadOf, {href: `/report.json?n=${print.number}`, download: `print-${print.number}.json`});
     link.setAttribute("aria-label", `${words.downloadOf}: ${print.scan}, ${ended}`);
     line.append(name, element("div", facts), link);
@@ -547,7 +707,8 @@ function render() {
   show("printer", true, state.printer);
   show("simulated", state.simulated, words.simulated);
   document.body.dataset.state = state.state;
-  for (const part of [showNow, showButtons, showFacts, showPictures, showTurn, showMasks, showStick, showUpload, showSettings, showWays, showLists, showPrints]) part();
+  closeOldQuestion();
+  for (const part of [showNow, showButtons, showFacts, showPictures, showTurn, showMasks, showContract, showStick, showUpload, showSettings, showWays, showLists, showPrints]) part();
 }
 
 // --- From the printer
@@ -555,28 +716,47 @@ function render() {
 function listen() {
   const events = new EventSource("/events");
   events.onmessage = (event) => {
-    state = JSON.parse(event.data);
-    show("lost", false);
-    $("now").inert = false;
-    render();
-  };
-  const lose = (text) => {
-    show("lost", true, text);
-    $("now").inert = true;
+    show("crowded", false);
+    take(JSON.parse(event.data));
   };
   events.addEventListener("lost", () => lose(words.noDaemon));
   events.onerror = () => {
+    if (events.readyState === EventSource.CLOSED) return lookNowAndThen(10);
     lose(words.lost);
-    if (events.readyState === EventSource.CLOSED) setTimeout(listen, 3000);
   };
+}
+let tookAt = 0;
+function take(next) {
+  state = next;
+  tookAt = performance.now();
+  show("lost", false);
+  $("now").inert = false;
+  render();
+  stateCame();
+}
+function lose(text) {
+  show("lost", true, text);
+  $("now").inert = true;
+}
+// The printer tells a few pages at a time what it does. One more asks every two seconds, and now and then whether there is room for it.
+async function lookNowAndThen(times) {
+  try {
+    const reply = await fetch("/state");
+    if (!reply.ok) throw new Error("no state");
+    take(await reply.json());
+    show("crowded", true, words.crowded);
+  } catch {
+    lose(words.lost);
+  }
+  setTimeout(() => times > 1 ? lookNowAndThen(times - 1) : listen(), 2000);
 }
 
 function sayWords() {
   document.documentElement.lang = words.locale.slice(0, 2);
   const put = (selector, text) => { document.querySelector(selector).textContent = text; };
-  for (const [id, text] of Object.entries({pictures: words.pictures, turn: words.turnTitle, layers: words.masks, stick: words.stickTitle, settings: words.settings, ways: words.waysTitle,
+  for (const [id, text] of Object.entries({pictures: words.pictures, turn: words.turnTitle, layers: words.masks, contract: words.contract, stick: words.stickTitle, settings: words.settings, ways: words.waysTitle,
                                            findings: words.findings, checks: words.checksTitle, upload: words.uploadTitle, report: words.report,
-                                           prints: words.printsTitle})) put(`#${id} h2`, text);
+                                           prints: words.printsTitle, browsers: words.browsersTitle})) put(`#${id} h2`, text);
   put("#report a", words.download);
   put("#fault-do", words.doThis);
   put("#pair-title", words.pairTitle);
@@ -604,6 +784,7 @@ async function fetchTexts() {
   if (state) render();
 }
 
+setInterval(() => { if (state && state.progress && state.progress.ends_at && !state.simulated) showNow(); }, 1000);
 sayWords();
 if (words === texts.de) fetchTexts().catch(() => {});
 lookAtAccess().catch(() => {});

@@ -16,7 +16,7 @@ using namespace preview;
 namespace {
 
 void draw_centred(const Picture& picture, std::int64_t centre, std::int64_t top, std::string_view text,
-                  const TextStyle& style) {
+                  const LabelStyle& style) {
   draw_text(picture, centre - text_width(text, style) / 2, top, text, style);
 }
 
@@ -47,7 +47,7 @@ Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewTex
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
   const auto layout = draw_views(rrep, supports, kPreviewPage, Views::kThreeSides, arena, picture);
   PLUMBLINE_TRY(layout);
-  const TextStyle title{.scale = 4, .colour = kInk}, plain{.scale = 2, .colour = kInk},
+  const LabelStyle title{.scale = 4, .colour = kInk}, plain{.scale = 2, .colour = kInk},
       pale{.scale = 2, .colour = kPaleInk};
   if (*layout) {
     const Layout& at = **layout;

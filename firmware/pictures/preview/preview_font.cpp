@@ -150,7 +150,7 @@ class SmoothGlyph {
 
 }  // namespace
 
-void Picture::blend(std::int64_t column, std::int64_t row, const Colour& colour, float cover) const {
+void Picture::blend(std::int64_t column, std::int64_t row, const Rgb& colour, float cover) const {
   if (column < 0 || row < 0 || column >= columns || row >= rows) return;
   std::uint8_t* pixel = &rgb[3 * (static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column))];
   if (cover >= 1.0F) {
@@ -164,7 +164,7 @@ void Picture::blend(std::int64_t column, std::int64_t row, const Colour& colour,
 }
 
 void Picture::fill(std::int64_t left, std::int64_t top, std::int64_t width, std::int64_t height,
-                   const Colour& colour) const {
+                   const Rgb& colour) const {
   const std::int64_t first = std::clamp<std::int64_t>(left, 0, columns);
   const std::int64_t end = std::clamp<std::int64_t>(left + width, first, columns);
   for (std::int64_t y = std::max<std::int64_t>(top, 0); y < std::min<std::int64_t>(top + height, rows); ++y) {
@@ -178,12 +178,12 @@ void Picture::fill(std::int64_t left, std::int64_t top, std::int64_t width, std:
   }
 }
 
-std::uint32_t text_width(std::string_view text, const TextStyle& style) {
+std::uint32_t text_width(std::string_view text, const LabelStyle& style) {
   return text.empty() ? 0 : static_cast<std::uint32_t>(text.size()) * style.advance() - style.scale;
 }
 
 void draw_text(const Picture& picture, std::int64_t left, std::int64_t top, std::string_view text,
-               const TextStyle& style) {
+               const LabelStyle& style) {
   constexpr std::uint32_t kSamples = 4;  // a side of a pixel
   for (const char c : text) {
     const SmoothGlyph shape(glyph(c));

@@ -6,14 +6,14 @@
 namespace plumbline::preview {
 namespace {
 
-constexpr Colour kSkyColour{46, 53, 63}, kFloorColour{70, 79, 91};
+constexpr Rgb kSkyColour{46, 53, 63}, kFloorColour{70, 79, 91};
 
 }  // namespace
 
 void draw_background(const Picture& picture) {
   for (std::uint32_t row = 0; row < picture.rows; ++row) {
     const float t = static_cast<float>(row) / static_cast<float>(picture.rows);
-    Colour colour;
+    Rgb colour;
     for (std::size_t c = 0; c < 3; ++c) {
       const float mixed = static_cast<float>(kSkyColour[c]) * (1 - t) + static_cast<float>(kFloorColour[c]) * t;
       colour[c] = static_cast<std::uint8_t>(std::floor(mixed + 0.5F));
@@ -22,7 +22,7 @@ void draw_background(const Picture& picture) {
   }
 }
 
-std::string_view cut(std::string_view text, std::uint32_t pixels, const TextStyle& style) {
+std::string_view cut(std::string_view text, std::uint32_t pixels, const LabelStyle& style) {
   return text.substr(0, std::min<std::size_t>(text.size(), pixels / style.advance()));
 }
 

@@ -9,14 +9,14 @@
 
 namespace plumbline::preview {
 
-inline constexpr Colour kInk{236, 232, 224}, kPaleInk{158, 168, 180};
+inline constexpr Rgb kInk{236, 232, 224}, kPaleInk{158, 168, 180};
 /// Of the object and of its supports.
-inline constexpr std::array<Colour, 2> kMaterials{{{255, 243, 222}, {122, 178, 214}}};
+inline constexpr std::array<Rgb, 2> kMaterials{{{255, 243, 222}, {122, 178, 214}}};
 
 /// Fills the page with a grey that darkens upwards.
 void draw_background(const Picture& picture);
 
 /// The start of a text that fits into `pixels`.
-std::string_view cut(std::string_view text, std::uint32_t pixels, const TextStyle& style);
+std::string_view cut(std::string_view text, std::uint32_t pixels, const LabelStyle& style);
 
 }  // namespace plumbline::preview

@@ -228,13 +228,13 @@ void take_first_depths(const DepthMap& map, std::ptrdiff_t row, std::span<float>
 
 /// The colour of a pixel, and how much of it the object covers.
 /// @param bright  of its samples, row after row
-std::pair<Colour, float> mixed(const DepthMap& map, const PixelSamples& samples, const std::array<float, 4>& bright,
-                               std::span<const Colour> materials) {
+std::pair<Rgb, float> mixed(const DepthMap& map, const PixelSamples& samples, const std::array<float, 4>& bright,
+                            std::span<const Rgb> materials) {
   std::array<float, 3> sum = {};
   float shown = 0;
   for (std::size_t k = 0; k < samples.at.size(); ++k) {
     if (map.depth[samples.at[k]] == DepthMap::kEmpty) continue;
-    const Colour& colour = materials[map.material[samples.at[k]]];
+    const Rgb& colour = materials[map.material[samples.at[k]]];
     for (std::size_t c = 0; c < 3; ++c) sum[c] += bright[k] * static_cast<float>(colour[c]);
     ++shown;
   }
@@ -246,7 +246,7 @@ std::pair<Colour, float> mixed(const DepthMap& map, const PixelSamples& samples,
 }  // namespace
 
 void shade_depth(const DepthMap& map, std::span<float> scratch, const Picture& picture, std::int64_t left,
-                 std::int64_t top, std::span<const Colour> materials) {
+                 std::int64_t top, std::span<const Rgb> materials) {
   assert(map.columns % kSamplesPerPixel == 0 && map.rows % kSamplesPerPixel == 0);
   const std::ptrdiff_t columns = map.columns / kSamplesPerPixel, rows = map.rows / kSamplesPerPixel;
   const Steps steps;

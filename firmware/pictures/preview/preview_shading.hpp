@@ -46,6 +46,6 @@ inline constexpr std::size_t kMostSamples = 3200;
 /// @param left, top  pixel of the picture where the map's first sample goes
 /// @param materials  as many as the map has, by index
 void shade_depth(const DepthMap& map, std::span<float> scratch, const Picture& picture, std::int64_t left,
-                 std::int64_t top, std::span<const Colour> materials);
+                 std::int64_t top, std::span<const Rgb> materials);
 
 }  // namespace plumbline

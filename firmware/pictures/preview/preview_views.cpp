@@ -13,7 +13,7 @@ namespace plumbline::preview {
 namespace {
 
 constexpr const char* kStage = "preview";
-constexpr Colour kLine{112, 123, 136};
+constexpr Rgb kLine{112, 123, 136};
 
 /// Draws the line that the object stands on, fading out at both ends.
 void draw_floor(const Picture& picture, std::int64_t left, std::int64_t width, std::int64_t row, std::int64_t fade) {

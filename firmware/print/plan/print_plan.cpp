@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/io/text/fixed_text.hpp"
+#include "firmware/print/plan/plan_check.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "hal/ramp.hpp"
+#include "hal/z_stage.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
@@ -12,48 +15,69 @@ namespace {
 
 nanoseconds seconds(double value) { return nanoseconds(std::llround(value * 1e9)); }
 
-Status check_speeds(const PrintProfile& profile, const MachineFile& machine) {
-  const struct {
-    const char* key;
-    double mm_min;
-  } speeds[] = {{"lift_speed", profile.lift_speed},
-                {"lift_speed2", profile.lift_speed2},
-                {"retract_speed", profile.retract_speed},
-                {"retract_speed2", profile.retract_speed2}};
-  for (const auto& speed : speeds) {
-    if (speed.mm_min <= machine.max_speed_mm_min) continue;
+/// Who is to blame for a value, before a message: "profile standard: ", "part.sl1: ", or nobody but the person who set it.
+FixedText<160> blamed(const PrintProfile& profile, PrintKey key) {
+  FixedText<160> text;
+  switch (profile.sources[index_of(key)]) {
+    case ValueSource::kProfile: text.add("profile %s: ", profile.name.c_str()); break;
+    case ValueSource::kArchive: text.add("%s: ", PrintableText(profile.archive).c_str()); break;
+    case ValueSource::kPrinter:
+    case ValueSource::kPerson: break;
+  }
+  return text;
+}
+
+Status check_moves(const PrintProfile& profile, const MachineFile& machine) {
+  for (const PrintKey key :
+       {PrintKey::kLiftSpeed, PrintKey::kLiftSpeed2, PrintKey::kRetractSpeed, PrintKey::kRetractSpeed2}) {
+    const PrintField& field = kPrintFields[index_of(key)];
+    const double speed = value_of(profile, field);
+    if (speed <= machine.max_speed_mm_min) continue;
     return telling(
         Told(PrinterCode::kStageSlow,
-             {{PrinterFact::kSpeedMmMin, speed.mm_min}, {PrinterFact::kLimitMmMin, machine.max_speed_mm_min}},
-             profile.name),
+             {{PrinterFact::kSpeedMmMin, speed}, {PrinterFact::kLimitMmMin, machine.max_speed_mm_min}}, profile.name),
         fail(ErrorCode::kBadSetting,
-             "profile %s: %s is %g mm/min, this printer's Z stage moves at %g mm/min at most:\tlower it",
-             profile.name.c_str(), speed.key, speed.mm_min, machine.max_speed_mm_min));
+             "%s%.*s is %g mm/min, this printer's Z stage moves at %g mm/min at most:\tlower it",
+             blamed(profile, key).c_str(), static_cast<int>(field.name.size()), field.name.data(), speed,
+             machine.max_speed_mm_min));
   }
-  return {};
+  const double whole = profile.lift_height + profile.lift_height2;
+  if (profile.retract_height2 <= whole) return {};
+  return fail(
+      ErrorCode::kBadSetting,
+      "%sretract_height2 is %g mm, allowed is at most the whole lift, lift_height + lift_height2 = %g mm:\tlower "
+      "it, or lift higher",
+      blamed(profile, PrintKey::kRetractHeight2).c_str(), profile.retract_height2, whole);
+}
+
+/// Of the longer exposure.
+PrintKey longest_of(const PrintProfile& profile) {
+  return profile.initial_exposure_time > profile.exposure_time ? PrintKey::kInitialExposureTime
+                                                               : PrintKey::kExposureTime;
 }
 
 Status check_exposures(const PrintProfile& profile, const MachineFile& machine) {
-  const double longest = std::max(profile.exposure_time, profile.initial_exposure_time);
+  const PrintKey key = longest_of(profile);
+  const PrintField& field = kPrintFields[index_of(key)];
+  const double longest = value_of(profile, field);
   if (longest <= machine.max_exposure_s) return {};
-  if (!profile.exposures_of.empty()) {
+  const bool is_archives = profile.sources[index_of(key)] == ValueSource::kArchive;
+  const Told told(PrinterCode::kExposureLong,
+                  {{PrinterFact::kExposureS, longest}, {PrinterFact::kLimitS, machine.max_exposure_s}},
+                  is_archives ? profile.archive : profile.name);
+  if (is_archives) {
     return telling(
-        Told(PrinterCode::kExposureLong,
-             {{PrinterFact::kExposureS, longest}, {PrinterFact::kLimitS, machine.max_exposure_s}},
-             profile.exposures_of),
+        told,
         fail(ErrorCode::kExposureTooLong,
-             "%s: its exposure %s is %g s, this printer's lamp may be lit for %g s at most.\tSlice it again with a "
-             "shorter exposure",
-             PrintableText(profile.exposures_of).c_str(),
-             longest > profile.exposure_time ? "of the first layers" : "of a layer", longest, machine.max_exposure_s));
+             "%sits exposure %s is %g s, this printer's lamp may be lit for %g s at most.\tSlice it again "
+             "with a shorter exposure",
+             blamed(profile, key).c_str(), key == PrintKey::kInitialExposureTime ? "of the first layers" : "of a layer",
+             longest, machine.max_exposure_s));
   }
-  return telling(
-      Told(PrinterCode::kExposureLong,
-           {{PrinterFact::kExposureS, longest}, {PrinterFact::kLimitS, machine.max_exposure_s}}, profile.name),
-      fail(ErrorCode::kExposureTooLong,
-           "profile %s: an exposure is %g s, this printer's lamp may be lit for %g s at most:\tlower %s",
-           profile.name.c_str(), longest, machine.max_exposure_s,
-           longest > profile.exposure_time ? "initial_exposure_time" : "exposure_time"));
+  return telling(told, fail(ErrorCode::kExposureTooLong,
+                            "%san exposure is %g s, this printer's lamp may be lit for %g s at most:\tlower %.*s",
+                            blamed(profile, key).c_str(), longest, machine.max_exposure_s,
+                            static_cast<int>(field.name.size()), field.name.data()));
 }
 
 Status check_height(const PrintPlan& plan) {
@@ -73,23 +97,23 @@ Status check_height(const PrintPlan& plan) {
 Status check_light(const PrintPlan& plan, const PrintProfile& profile, const MachineFile& machine) {
   const double most = std::chrono::duration<double>(most_light_in_a_minute(plan)).count();
   if (most <= machine.max_light_per_minute_s) return {};
-  if (!profile.exposures_of.empty()) {
+  const PrintKey key = longest_of(profile);
+  const bool is_archives = profile.sources[index_of(key)] == ValueSource::kArchive;
+  const Told told(PrinterCode::kLightLong,
+                  {{PrinterFact::kExposureS, most}, {PrinterFact::kLimitS, machine.max_light_per_minute_s}},
+                  is_archives ? profile.archive : profile.name);
+  if (is_archives) {
     return telling(
-        Told(PrinterCode::kLightLong,
-             {{PrinterFact::kExposureS, most}, {PrinterFact::kLimitS, machine.max_light_per_minute_s}},
-             profile.exposures_of),
-        fail(ErrorCode::kExposureTooLong,
-             "%s: its exposures give up to %.1f s of light in a minute, this printer's lamp may be lit for %g s of "
-             "one.\tSlice it again with shorter exposures, or raise wait_time_after_lift in the profile %s",
-             PrintableText(profile.exposures_of).c_str(), most, machine.max_light_per_minute_s, profile.name.c_str()));
+        told, fail(ErrorCode::kExposureTooLong,
+                   "%sits exposures give up to %.1f s of light in a minute, this printer's lamp may be lit for %g s of "
+                   "one.\tSlice it again with shorter exposures, or raise wait_time_after_lift in the profile %s",
+                   blamed(profile, key).c_str(), most, machine.max_light_per_minute_s, profile.name.c_str()));
   }
-  return telling(
-      Told(PrinterCode::kLightLong,
-           {{PrinterFact::kExposureS, most}, {PrinterFact::kLimitS, machine.max_light_per_minute_s}}, profile.name),
-      fail(ErrorCode::kExposureTooLong,
-           "profile %s: up to %.1f s of light in a minute, this printer's lamp may be lit for %g s of one:\tlower "
-           "initial_exposure_time or exposure_time, or raise wait_time_after_lift",
-           profile.name.c_str(), most, machine.max_light_per_minute_s));
+  return telling(told,
+                 fail(ErrorCode::kExposureTooLong,
+                      "%sup to %.1f s of light in a minute, this printer's lamp may be lit for %g s of one:\tlower "
+                      "initial_exposure_time or exposure_time, or raise wait_time_after_lift",
+                      blamed(profile, key).c_str(), most, machine.max_light_per_minute_s));
 }
 
 double fade_of(const PrintPlan& plan, std::uint32_t layer) {
@@ -101,11 +125,26 @@ nanoseconds move_time(const PrintPlan& plan, Distance way, Speed speed) {
   return seconds(Ramp(way, speed, plan.acceleration).duration().count());
 }
 
+/// As PlateMoves::lower_to() moves.
+nanoseconds lowering_time(const PrintPlan& plan, ZPosition from, std::uint32_t layer) {
+  const TwoStageMove down = retract_to(plan, layer);
+  const ZPosition near = std::min({from, down[1].target + plan.lift + plan.lift2, plan.highest});
+  return move_time(plan, from - near, plan.fastest) + move_time(plan, near - down[0].target, down[0].speed) +
+         move_time(plan, down[0].target - down[1].target, down[1].speed);
+}
+
+/// Of a layer, from the rest before its exposure to the wait after its lift.
+nanoseconds curing_time(const PrintPlan& plan, std::uint32_t layer) {
+  return plan.rest_before_exposure + plan.mask_change + exposure_of(plan, layer) + plan.mask_change +
+         plan.rest_after_exposure + move_time(plan, plan.lift, plan.lift_speed) +
+         move_time(plan, plan.lift2, plan.lift_speed2) + plan.wait_after_lift;
+}
+
 }  // namespace
 
 Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& machine, double layer_height_mm,
                                std::uint32_t layers) {
-  PLUMBLINE_TRY(check_speeds(profile, machine));
+  PLUMBLINE_TRY(check_moves(profile, machine));
   PLUMBLINE_TRY(check_exposures(profile, machine));
   PrintPlan plan;
   plan.layers = layers;
@@ -136,6 +175,7 @@ Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& m
   plan.mask_change = seconds(kFrame + machine.refresh_delay_ms / 1000);
   PLUMBLINE_TRY(check_height(plan));
   PLUMBLINE_TRY(check_light(plan, profile, machine));
+  PLUMBLINE_TRY(check_plan(plan, profile.archive.empty() ? profile.name : profile.archive, machine));
   return plan;
 }
 
@@ -167,15 +207,9 @@ FootShrink foot_of(const PrintPlan& plan) {
 }
 
 nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer) {
-  // The way down starts where the lift of the layer below ended. print_time() adds the first layer's way from the top.
-  const Distance down = plan.lift + plan.lift2 - plan.layer_height - plan.retract2;
-  nanoseconds time{};
-  if (layer > 0)
-    time += move_time(plan, down, plan.retract_speed) + move_time(plan, plan.retract2, plan.retract_speed2);
-  time += plan.rest_before_exposure + plan.mask_change + exposure_of(plan, layer) + plan.mask_change;
-  time += plan.rest_after_exposure;
-  time += move_time(plan, plan.lift, plan.lift_speed) + move_time(plan, plan.lift2, plan.lift_speed2);
-  return time + plan.wait_after_lift;
+  // The way down starts where the lift of the layer below ended. time_to_end() adds the first layer's way from the top.
+  const nanoseconds down = layer > 0 ? lowering_time(plan, lift_from(plan, layer - 1)[1].target, layer) : nanoseconds();
+  return down + curing_time(plan, layer);
 }
 
 nanoseconds most_light_in_a_minute(const PrintPlan& plan) {
@@ -211,13 +245,24 @@ nanoseconds remaining_time(const PrintPlan& plan, std::uint32_t first) {
   return time;
 }
 
-nanoseconds print_time(const PrintPlan& plan) {
-  const auto down = retract_to(plan, 0);
-  const ZPosition last = lift_from(plan, plan.layers - 1)[1].target;
-  return move_time(plan, plan.highest - down[0].target, plan.fastest) +
-         move_time(plan, plan.retract2, plan.retract_speed2) + remaining_time(plan, 0) +
-         move_time(plan, plan.highest - last, plan.fastest);
+nanoseconds homing_time(const PrintPlan& plan, ZPosition from) {
+  const Distance up = plan.highest + Distance::millimetres(kEndStopClearanceMm) - from;
+  return move_time(plan, up, ZStage::kApproachSpeed) + move_time(plan, ZStage::kBackOff, ZStage::kApproachSpeed) +
+         move_time(plan, ZStage::kBackOff, ZStage::kFindSpeed) +
+         move_time(plan, Distance::millimetres(kEndStopClearanceMm), ZStage::kApproachSpeed);
 }
+
+nanoseconds time_to_end(const PrintPlan& plan, ZPosition from, std::uint32_t first, nanoseconds lit) {
+  nanoseconds time{};
+  ZPosition at = from;
+  if (first < plan.layers) {
+    time += lowering_time(plan, from, first) + curing_time(plan, first) - lit + remaining_time(plan, first + 1);
+    at = lift_from(plan, plan.layers - 1)[1].target;
+  }
+  return time + move_time(plan, plan.highest - at, plan.fastest) + homing_time(plan, plan.highest);
+}
+
+nanoseconds print_time(const PrintPlan& plan) { return time_to_end(plan, plan.highest, 0); }
 
 Distance cure_depth(const PrintProfile& profile, Irradiance irradiance, nanoseconds lit) {
   return Distance::millimetres(cure_depth_mm(profile, dose_of(irradiance, lit).value()));

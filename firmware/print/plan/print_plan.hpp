@@ -55,9 +55,10 @@ struct PrintPlan {
 
 /// @param layers  1 to PrintGrid::kMaxLayers
 /// @param layer_height_mm  0.005 to 1
-/// @retval ErrorCode::kBadSetting       a speed above the Z stage's
+/// @retval ErrorCode::kBadSetting       a speed above the Z stage's, or a slow retract longer than the lift
 /// @retval ErrorCode::kExposureTooLong  an exposure above the lamp's longest, or more light in a minute than the lamp may give
 /// @retval ErrorCode::kDoesNotFit       the last layer's lift ends above the Z stage's highest point: by how much
+/// @retval any error of check_plan()
 [[nodiscard]] Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& machine,
                                              double layer_height_mm, std::uint32_t layers);
 
@@ -93,7 +94,15 @@ nanoseconds most_light_in_a_minute(const PrintPlan& plan);
 /// Time of the layers [first, plan.layers), without homing and the moves from and to the top.
 nanoseconds remaining_time(const PrintPlan& plan, std::uint32_t first);
 
-/// Time of the whole print after homing: down, all layers, up.
+/// Time of a homing that begins with the plate at `from`, by the speeds of the HAL's stages (hal/z_stage.hpp).
+nanoseconds homing_time(const PrintPlan& plan, ZPosition from);
+
+/// Time from a plate at `from` to the end of the print: down, the layers [first, plan.layers), up, and the homing that ends it.
+/// @param first  at most plan.layers
+/// @param lit    light that the layer `first` has had
+nanoseconds time_to_end(const PrintPlan& plan, ZPosition from, std::uint32_t first, nanoseconds lit = {});
+
+/// Time of the whole print after its first homing.
 nanoseconds print_time(const PrintPlan& plan);
 
 /// Cure depth (Jacobs 1992): Dp ln(E / Ec), E = irradiance x time. Negative if the dose is too small to cure anything.

@@ -47,6 +47,8 @@ enum class FaultCode : std::uint16_t {
   kResinTooCold = 603,
   kResinTooWarm = 604,
   kFanStalled = 605,
+  kBoardTooHot = 606,
+  kChamberFanStalled = 607,
   kPowerLost = 901,
   kDeviceTimeout = 902,
   kFirmware = 903,

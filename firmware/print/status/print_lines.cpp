@@ -6,6 +6,7 @@
 
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/progress_lines.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
@@ -29,7 +30,7 @@ const char* reason_to_wait(PrintState state) {
     case PrintState::kPausing:
     case PrintState::kPaused: return "press start to go on";
     case PrintState::kCoverOpen: return "the cover is open, close it";
-    case PrintState::kCoolingDown: return "the lamp is too hot, the print goes on when it has cooled down";
+    case PrintState::kCoolingDown: return "it waits for a temperature or a fan and goes on by itself";
     case PrintState::kFeedMe: return "the tank is nearly empty, pour in resin and press start";
     case PrintState::kIdle:
     case PrintState::kOffered:
@@ -77,9 +78,12 @@ FixedText<24> duration_text(nanoseconds time) {
 FixedText<200> status_text(const PrintStatus& status) {
   FixedText<200> text;
   const std::uint32_t layer = std::min(status.layer + 1, status.layers);
-  if (waits_for_start(status.state) && !status.question.empty()) {
+  const bool waits = waits_for_start(status.state) || status.state == PrintState::kCoolingDown;
+  if (waits && !status.question.empty()) {
     text.add("paused at layer %u of %u: %.*s", layer, status.layers, static_cast<int>(status.question.size()),
              status.question.data());
+  } else if (status.note == PrintNote::kCoverFirst) {
+    text.add("close the cover: the plate does not move while it is open");
   } else if (const char* const reason = reason_to_wait(status.state)) {
     text.add("paused at layer %u of %u: %s", layer, status.layers, reason);
   } else if (status.state == PrintState::kPrinting) {
@@ -88,7 +92,17 @@ FixedText<200> status_text(const PrintStatus& status) {
     const auto state = to_string(status.state);
     text.add("%.*s", static_cast<int>(state.size()), state.data());
   }
+  if (status.note == PrintNote::kPauseTaken) text.add("; it pauses after this layer");
   return text;
+}
+
+Told told_note(const PrintStatus& status) {
+  switch (status.note) {
+    case PrintNote::kNone: return {};
+    case PrintNote::kPauseTaken: return PrinterCode::kPauseTaken;
+    case PrintNote::kCoverFirst: return PrinterCode::kCoverFirst;
+  }
+  return {};
 }
 
 PrintLines::PrintLines(Show show, std::optional<nanoseconds> longest_wait)

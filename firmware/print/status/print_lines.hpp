@@ -42,6 +42,8 @@ class PrintLines final : public PrintObserver {
 
 /// "printing layer 12 of 1184, 2 h 10 min left", "paused at layer 12 of 1184: press start to go on", "homing". Layers count from 1.
 FixedText<200> status_text(const PrintStatus& status);
+/// Its note as a code; empty: it has none, and the text says no more than the state.
+Told told_note(const PrintStatus& status);
 
 /// "2 h 05 min", "3 min 20 s", "45 min": whole seconds below 10 min, else minutes.
 FixedText<24> duration_text(nanoseconds time);

@@ -12,9 +12,17 @@
 
 namespace plumbline {
 
+/// What a print has heard or waits for, beside its state.
+enum class PrintNote : std::uint8_t {
+  kNone,
+  kPauseTaken,  ///< it pauses after the layer at hand
+  kCoverFirst,  ///< the plate moves when the cover is closed
+};
+
 /// How far a print is.
 struct PrintStatus {
   PrintState state = PrintState::kIdle;
+  PrintNote note = PrintNote::kNone;
   std::uint32_t layer = 0;  ///< the next one to cure, from 0; equals `layers` when all are cured
   std::uint32_t layers = 0;
   ZPosition height;  ///< of that layer
@@ -23,7 +31,7 @@ struct PrintStatus {
   nanoseconds remaining{};
   std::optional<nanoseconds> slack;  ///< of the last mask
   double resin_ml = 0;               ///< used so far
-  std::string_view question;         ///< why the print is paused, if start or cancel answers a question; else empty
+  std::string_view question;         ///< why the print waits, and for what; empty: the state says it
   Told question_told;                ///< the same as a code
 };
 

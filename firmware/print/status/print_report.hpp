@@ -40,8 +40,8 @@ std::string_view to_string(CheckOutcome outcome);
 
 struct CheckResult {
   CheckOutcome outcome = CheckOutcome::kNotReached;
-  FixedText<200> detail;  ///< "28.0 degrees, 18 to 40 allowed"
-  Told told;              ///< the same as a code
+  Sentence detail;  ///< "28.0 degrees, 18 to 40 allowed"
+  Told told;        ///< the same as a code
 };
 
 /// One exposure, and the next mask, which was rendered meanwhile.

@@ -20,7 +20,7 @@ enum class PrintState : std::uint8_t {
   kPausing,      ///< raises the part; the lamp is dark
   kPaused,       ///< holds the part up until the user presses start
   kCoverOpen,    ///< the lamp is dark until the cover is closed
-  kCoolingDown,  ///< the lamp is dark until it is cool
+  kCoolingDown,  ///< waits, with the lamp dark, for temperatures and fans; goes on by itself
   kFeedMe,       ///< waits for resin, and for start
   kCancelling,   ///< raises what has been printed
   kFinishing,    ///< raises the finished part
@@ -92,6 +92,11 @@ constexpr bool at_rest(PrintState state) {
 /// A pause that lasts until the user presses start.
 constexpr bool waits_for_start(PrintState state) {
   return state == PrintState::kPaused || state == PrintState::kFeedMe;
+}
+
+/// The part is raised for good.
+constexpr bool is_raise_to_end(PrintState state) {
+  return state == PrintState::kCancelling || state == PrintState::kFinishing;
 }
 
 /// A pause of any kind, which the print can leave to go on.

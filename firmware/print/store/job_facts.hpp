@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "firmware/pictures/mask_decoder.hpp"
-#include "firmware/print/plan/print_plan.hpp"
+#include "firmware/print/contract/contract.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "hal/units.hpp"
 #include "slicer/reader/scan_sources.hpp"
@@ -31,10 +31,8 @@ struct JobFacts {
   std::uint64_t scan_hash = 0;     ///< of the file's bytes
   std::uint64_t printer_hash = 0;  ///< hash_of() the board file
   std::uint64_t cured_pixels = 0;  ///< of all masks together
-  Distance cure_depth;             ///< at a normal layer's exposure
-  Distance first_cure_depth;       ///< at the first layer's
   MaskTurn turn;                   ///< of an archive's layers
-  PrintPlan plan;
+  Contract contract;
   std::uint32_t file_count = 0;                 ///< of the scan; at most kMostScans
   std::array<FileName, kMostScans> files = {};  ///< their names
 };

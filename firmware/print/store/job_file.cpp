@@ -11,13 +11,13 @@
 namespace plumbline {
 namespace {
 
-/// Change the version whenever the stored data change, JobFacts and PrintPlan included.
+/// Change the version whenever the stored data change, JobFacts, Contract and PrintPlan included.
 constexpr std::uint32_t kJobMagic = 0x424F4A50;  // "PJOB"
-constexpr std::uint32_t kVersion = 7;
+constexpr std::uint32_t kJobFileVersion = 8;
 
 struct JobHeader {
   std::uint32_t magic = kJobMagic;
-  std::uint32_t version = kVersion;
+  std::uint32_t version = kJobFileVersion;
   std::uint64_t facts_bytes = sizeof(JobFacts);
   std::uint64_t crossings = 0;
   std::uint64_t supports = 0;
@@ -50,7 +50,7 @@ tl::unexpected<Error> cannot_read_job(const char* path) {
 
 Status check(const JobHeader& header, const char* path) {
   if (header.magic != kJobMagic) return damaged_job(path, "damaged");
-  if (header.version != kVersion || header.facts_bytes != sizeof(JobFacts)) {
+  if (header.version != kJobFileVersion || header.facts_bytes != sizeof(JobFacts)) {
     return fail(ErrorCode::kUnsupported,
                 "%s: the job was stored by another version of plumbline; only that one can resume it", path);
   }

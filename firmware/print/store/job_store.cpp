@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -84,14 +83,11 @@ Expected<JournalFile> JobStore::begin(const JobFacts& facts, const MaskParts& pa
 }
 
 Expected<JournalFile> JobStore::write(const JobFacts& facts, const MaskParts& parts) {
-  JobFacts own = facts;
-  const ssize_t got = ::getrandom(&own.print_id, sizeof own.print_id, 0);
-  if (got != static_cast<ssize_t>(sizeof own.print_id)) return cannot_write(kNewJob);
   std::uint64_t job_hash = 0;
   if (parts.is_archive() && ::renameat(folder_.get(), kNewArchive, folder_.get(), kArchive) != 0) {
     return cannot_write(kNewArchive);
   }
-  PLUMBLINE_TRY(write_job_file(own, parts, job_hash));
+  PLUMBLINE_TRY(write_job_file(facts, parts, job_hash));
   return create_journal(job_hash, parts.rrep.grid.layers);
 }
 
@@ -167,12 +163,12 @@ Expected<JournalFile> JobStore::open_journal() const {
   return JournalFile(std::move(file), static_cast<std::size_t>(facts.st_size));
 }
 
-Expected<JournalEntry> JobStore::progress() const {
+Expected<JobStore::Progress> JobStore::progress() const {
   auto file = open_journal();
   PLUMBLINE_TRY(file);
   const auto journal = Journal::open(*file);
   PLUMBLINE_TRY(journal);
-  return journal->last();
+  return Progress{.job_hash = journal->job_hash(), .last = journal->last()};
 }
 
 Expected<JobStore::Interrupted> JobStore::load(Arena& arena) {

@@ -60,10 +60,14 @@ class JobStore {
   /// @retval any error of read_job()
   [[nodiscard]] Expected<Interrupted> load(Arena& arena);
 
+  struct Progress {
+    std::uint64_t job_hash = 0;  ///< of its journal
+    JournalEntry last;
+  };
   /// How far the interrupted print has come, without loading it.
   /// @retval ErrorCode::kTruncated  there is none
   /// @retval ErrorCode::kCannotRead, and any error of Journal::open()
-  [[nodiscard]] Expected<JournalEntry> progress() const;
+  [[nodiscard]] Expected<Progress> progress() const;
 
   /// Removes the print: there is nothing to resume.
   /// @retval ErrorCode::kCannotWrite

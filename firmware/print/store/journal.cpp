@@ -14,8 +14,9 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kJournalMagic = 0x324A4C50;  // "PLJ2"
-constexpr std::uint32_t kFirstMagic = 0x314A4C50;    // "PLJ1": one copy, with zeros where no record is
+constexpr std::uint32_t kJournalMagic = 0x334A4C50;  // "PLJ3"
+/// "PLJ1" has one copy, with zeros where no record is; the records of "PLJ2" have no pixels of the layer at hand.
+constexpr std::array<std::uint32_t, 2> kOlderMagics = {0x314A4C50, 0x324A4C50};
 constexpr std::size_t kCopies = 2;
 /// `Record::next_layer` of a slot without a record.
 constexpr std::uint32_t kSeal = std::numeric_limits<std::uint32_t>::max();
@@ -36,8 +37,10 @@ struct Record {
   std::int64_t height_nm = 0;
   std::int64_t stands_nm = 0;
   std::uint64_t cured_pixels = 0;
-  std::int64_t elapsed_ns = 0;
-  std::int64_t lit_ns = 0;
+  std::uint32_t at_hand_pixels = 0;
+  std::uint32_t elapsed_ms = 0;
+  std::uint32_t lit_us = 0;
+  std::uint32_t lamp_ms = 0;
   std::uint64_t hash = 0;
 };
 
@@ -45,7 +48,12 @@ static_assert(sizeof(Header) == Journal::kRecordBytes && std::has_unique_object_
 static_assert(sizeof(Record) == Journal::kRecordBytes && std::has_unique_object_representations_v<Record>);
 
 using Bytes = std::array<std::byte, Journal::kRecordBytes>;
-using Page = std::array<Bytes, Journal::kPageBytes / Journal::kRecordBytes>;
+using JournalPage = std::array<Bytes, Journal::kPageBytes / Journal::kRecordBytes>;
+
+template <class Unit>
+std::uint32_t whole(nanoseconds time) {
+  return static_cast<std::uint32_t>(std::chrono::duration_cast<Unit>(time).count());
+}
 
 template <class T>
 std::uint64_t hash_of(const T& value) {
@@ -78,12 +86,12 @@ tl::unexpected<Error> damaged_journal(std::size_t record, const char* how) {
 Expected<bool> read_header(JournalStorage& storage, std::size_t place, Header& header) {
   Bytes bytes{};
   PLUMBLINE_TRY(storage.read(place, bytes));
-  const bool whole = unseal(bytes, header) && header.layers > 0 && header.layers <= PrintGrid::kMaxLayers;
-  if (whole && header.magic == kFirstMagic) {
+  const bool is_whole = unseal(bytes, header) && header.layers > 0 && header.layers <= PrintGrid::kMaxLayers;
+  if (is_whole && std::ranges::find(kOlderMagics, header.magic) != kOlderMagics.end()) {
     return fail(ErrorCode::kUnsupported,
                 "the interrupted print was started by an older version of plumbline; only that one can resume it");
   }
-  return whole && header.magic == kJournalMagic;
+  return is_whole && header.magic == kJournalMagic;
 }
 
 /// Reads both headers; one of them is enough.
@@ -114,7 +122,7 @@ Status find_header(JournalStorage& storage, Header& header) {
 
 Expected<Journal> Journal::create(JournalStorage& storage, std::uint64_t job_hash, std::uint32_t layers) {
   Journal journal(storage, job_hash, layers);
-  Page page;
+  JournalPage page;
   for (std::size_t copy = 0; copy < kCopies; ++copy) {
     for (std::size_t slot = 0; slot < journal.slots(); ++slot) {
       Bytes& bytes = page[slot % page.size()];
@@ -141,7 +149,7 @@ Expected<Journal> Journal::open(JournalStorage& storage) {
 Status Journal::read_records() {
   std::array<std::size_t, kCopies> last = {};     // slots
   std::array<std::size_t, kCopies> spoiled = {};  // the last ones; 0: none
-  std::array<Page, kCopies> pages;
+  std::array<JournalPage, kCopies> pages;
   for (std::size_t slot = 0; slot < slots(); ++slot) {
     const std::size_t in_page = slot % pages[0].size();
     for (std::size_t copy = 0; in_page == 0 && copy < kCopies; ++copy) {
@@ -170,8 +178,10 @@ Status Journal::read_records() {
              .height = ZPosition(Distance::nanometres(record.height_nm)),
              .stands = ZPosition(Distance::nanometres(record.stands_nm)),
              .cured_pixels = record.cured_pixels,
-             .elapsed = nanoseconds(record.elapsed_ns),
-             .lit = nanoseconds(record.lit_ns)};
+             .at_hand_pixels = record.at_hand_pixels,
+             .elapsed = std::chrono::milliseconds(record.elapsed_ms),
+             .lit = std::chrono::microseconds(record.lit_us),
+             .lamp = std::chrono::milliseconds(record.lamp_ms)};
     records_ = slot;
   }
   // The second copy may be one record behind, and the next write of either may be spoiled.
@@ -210,8 +220,10 @@ Status Journal::store(std::size_t copy, std::size_t slot, const JournalEntry& en
                                     .height_nm = entry.height.above_film().nanometres(),
                                     .stands_nm = entry.stands.above_film().nanometres(),
                                     .cured_pixels = entry.cured_pixels,
-                                    .elapsed_ns = entry.elapsed.count(),
-                                    .lit_ns = entry.lit.count()});
+                                    .at_hand_pixels = entry.at_hand_pixels,
+                                    .elapsed_ms = whole<std::chrono::milliseconds>(entry.elapsed),
+                                    .lit_us = whole<std::chrono::microseconds>(entry.lit),
+                                    .lamp_ms = whole<std::chrono::milliseconds>(entry.lamp)});
   PLUMBLINE_TRY(storage_->write(place_of(copy, slot), bytes));
   PLUMBLINE_TRY(storage_->sync());
   // Worn-out cards take writes and drop them.

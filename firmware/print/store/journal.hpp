@@ -45,8 +45,12 @@ struct JournalEntry {
   ZPosition height;                ///< of the last cured layer; 0 before the first
   ZPosition stands;                ///< where the plate stood when this was written
   std::uint64_t cured_pixels = 0;  ///< of all cured layers
-  nanoseconds elapsed{};           ///< printing time, over all runs
-  nanoseconds lit{};               ///< light that next_layer has had already, if the print was stopped during it
+  /// Of next_layer's mask: after a power cut nobody knows whether it has been lit. 0: not known yet, or all are cured.
+  std::uint32_t at_hand_pixels = 0;
+  nanoseconds elapsed{};  ///< printing time, over all runs; whole milliseconds are kept, up to 49 days
+  nanoseconds
+      lit{};  ///< light that next_layer has had already, if the print was stopped during it; whole microseconds are kept
+  nanoseconds lamp{};  ///< light of all layers, over all runs; whole milliseconds are kept
   bool operator==(const JournalEntry&) const = default;
 };
 

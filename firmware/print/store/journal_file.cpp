@@ -33,7 +33,7 @@ Status JournalFile::read(std::size_t offset, std::span<std::byte> bytes) {
     return ::pread(file_.get(), rest.data(), rest.size(), at);
   };
   if (move_all(bytes, offset, read_some)) return {};
-  return fail(ErrorCode::kCannotRead, "the journal can't be read: %s", reason("the file is cut off"));
+  return fail(ErrorCode::kCannotRead, "%s can't be read: %s", what_, reason("the file is cut off"));
 }
 
 Status JournalFile::write(std::size_t offset, std::span<const std::byte> bytes) {
@@ -41,12 +41,12 @@ Status JournalFile::write(std::size_t offset, std::span<const std::byte> bytes) 
     return ::pwrite(file_.get(), rest.data(), rest.size(), at);
   };
   if (move_all(bytes, offset, write_some)) return {};
-  return fail(ErrorCode::kCannotWrite, "the journal can't be written: %s", reason("the storage is full"));
+  return fail(ErrorCode::kCannotWrite, "%s can't be written: %s", what_, reason("the storage is full"));
 }
 
 Status JournalFile::sync() {
   if (::fdatasync(file_.get()) != 0) {
-    return fail(ErrorCode::kCannotWrite, "the journal can't be written: %s", std::strerror(errno));
+    return fail(ErrorCode::kCannotWrite, "%s can't be written: %s", what_, std::strerror(errno));
   }
   // So that the next read comes from the medium. A file system that is itself in memory may ignore it.
   static_cast<void>(::posix_fadvise(file_.get(), 0, 0, POSIX_FADV_DONTNEED));

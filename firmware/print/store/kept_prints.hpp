@@ -30,7 +30,7 @@ struct KeptPrint {
   std::uint32_t layers_done = 0;
   ShortName scan = {};
   ShortName profile = {};
-  std::int64_t ended_at = 0;  ///< s since 1970, by this machine's clock
+  std::int64_t ended_at = 0;  ///< s since 1970, by this machine's clock; 0: it was not set
   double resin_ml = 0;
   std::uint64_t report_bytes = 0;
   std::uint64_t preview_bytes = 0;  ///< 0: there is none

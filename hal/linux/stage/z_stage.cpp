@@ -14,12 +14,9 @@
 namespace plumbline {
 namespace {
 
-constexpr Distance kBackOff =
-    2_mm;  // after the fast approach: more than its braking distance and the switch's hysteresis
 constexpr Distance kRelease =
     1_mm;  // down from a pressed switch; no more, because a faulty one may be pressed near the film
-constexpr Distance kOvertravel = 2_mm;  // how far an approach continues above the end stop's nominal height
-constexpr Speed kApproachSpeed(5);      // mm/s; faster saves seconds, but brakes longer past the switch (v^2 / 2a)
+constexpr Distance kOvertravel = 2_mm;            // how far an approach continues above the end stop's nominal height
 constexpr auto kGrace = std::chrono::seconds(1);  // past ends_by(), before the stage counts as hung
 
 nanoseconds duration_of(Distance distance, Speed speed, Acceleration acceleration) {

@@ -77,11 +77,11 @@ Expected<StickIdentity> LinuxStickPort::do_identity() const {
   return read_identity(folder());
 }
 
-Expected<int> LinuxStickPort::do_mount() {
+Expected<StickParts> LinuxStickPort::do_mount() {
   if (!attached()) return no_stick();
-  auto top = mount_stick(block_devices(folder()), mount_socket_);
-  if (top) mounted_arrival_ = arrivals_;
-  return top;
+  auto parts = mount_stick(block_devices(folder()), mount_socket_);
+  if (parts) mounted_arrival_ = arrivals_;
+  return parts;
 }
 
 Expected<bool> LinuxStickPort::do_store(const StickReport& report) {

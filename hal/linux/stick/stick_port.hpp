@@ -34,7 +34,7 @@ class LinuxStickPort final : public StickPort, public EventSource, private UsbSt
  private:
   bool do_has_stick() const override { return present_; }
   Expected<StickIdentity> do_identity() const override;
-  Expected<int> do_mount() override;
+  Expected<StickParts> do_mount() override;
   Expected<bool> do_store(const StickReport& report) override;
   Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) override;
   Status do_check_mounted() const override;

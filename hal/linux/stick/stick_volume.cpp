@@ -54,9 +54,10 @@ void find_media(const fs::path& folder, int depth, std::vector<fs::path>& media)
   }
 }
 
+/// Whether it has room for a file system. An extended partition, which only holds others, has two sectors.
 bool has_size(const fs::path& block) {
   const std::string sectors = first_line(block / "size");
-  return !sectors.empty() && sectors != "0";
+  return !sectors.empty() && sectors != "0" && sectors != "1" && sectors != "2";
 }
 
 /// Whether the kernel has looked for partitions. It announces a medium to udev afterwards, and udev records it. Without udev, assume
@@ -98,6 +99,16 @@ Reply ask_to_mount(std::span<const std::byte> request, std::span<const int> desc
 
 /// "sda1" of "/dev/sda1".
 std::string_view device_of(std::string_view node) { return node.substr(node.rfind('/') + 1); }
+
+/// Whether one node is a partition of another one, a medium: "/dev/sda1" and "/dev/sda".
+bool is_part_of(std::string_view node, std::string_view medium) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  return node.size() > medium.size() && node.starts_with(medium) && is_digit(node[medium.size()]) &&
+         !is_digit(medium.back());
+}
+
+/// EINVAL means another file system, ENODEV an unknown one. Any other error says more.
+bool says_more(int reason) { return reason != EINVAL && reason != ENODEV; }
 
 tl::unexpected<Error> no_storage() {
   return fail(ErrorCode::kMountFailed, "the board finds no storage on the stick:\ttry another stick");
@@ -173,16 +184,35 @@ std::vector<std::string> block_devices(const std::string& device, const std::str
   return nodes;
 }
 
-Expected<int> mount_stick(const std::vector<std::string>& nodes, const std::string& socket) {
+Expected<StickParts> mount_stick(const std::vector<std::string>& nodes, const std::string& socket) {
   if (nodes.empty()) return no_storage();
+  StickParts parts;
+  std::array<std::string_view, StickParts::kMost> mounted;
   int reason = 0;
-  for (const auto& node : nodes) {
+  for (const std::string& node : nodes) {
+    const auto is_part = [&node](std::string_view other) { return is_part_of(other, node); };
+    const auto count = static_cast<std::size_t>(std::count_if(nodes.begin(), nodes.end(), is_part));
+    if (std::any_of(mounted.begin(), mounted.begin() + parts.count, is_part))
+      continue;  // a medium is in its partitions
+    if (parts.count == StickParts::kMost) {
+      ++parts.unread;
+      continue;
+    }
     const Reply reply = ask_to_mount(std::as_bytes(std::span(device_of(node))), {}, socket);
-    if (reply.folder >= 0) return reply.folder;
-    if (!reply.answered) return no_answer(reply.reason);
-    // EINVAL means another file system, ENODEV an unknown one. Any other error says more.
-    if (reason == 0 || (reply.reason != EINVAL && reply.reason != ENODEV)) reason = reply.reason;
+    if (!reply.answered) {
+      parts.close();
+      return no_answer(reply.reason);
+    }
+    if (reply.folder >= 0) {
+      mounted[parts.count] = node;
+      parts.folders[parts.count++] = reply.folder;
+      parts.unread -= count;  // what seemed to be its partitions was the file system's own
+      continue;
+    }
+    parts.unread += count == 0 ? 1 : 0;
+    if (reason == 0 || says_more(reply.reason)) reason = reply.reason;
   }
+  if (parts.count > 0) return parts;
   return fail(ErrorCode::kMountFailed, "the stick's file system can't be read (%s: %s):\tformat it as FAT32 or exFAT",
               nodes.front().c_str(), std::strerror(reason));
 }
@@ -202,7 +232,9 @@ Expected<bool> store_on_stick(const std::vector<std::string>& nodes, const Stick
     if (!reply.answered) return no_answer(reply.reason);
     if (reply.reason == 0) return true;
     if (reply.reason == EEXIST) return false;
-    if (reason == 0 || (reply.reason != EINVAL && reply.reason != ENODEV)) reason = reply.reason;
+    // A partition without the folder says nothing of one that has it and is full.
+    const bool lacks_folder = reply.reason == ENOENT && says_more(reason);
+    if (reason == 0 || (says_more(reply.reason) && !lacks_folder)) reason = reply.reason;
   }
   return not_stored(reason);
 }

@@ -25,13 +25,14 @@ std::vector<std::string> block_devices(const std::string& device, const std::str
 /// @returns a descriptor, the caller's; or -1 with errno set
 [[nodiscard]] int connect_to_mount(const std::string& socket);
 
-/// Has plumbline-mount mount the first of `nodes` that is vfat or exfat.
+/// Has plumbline-mount mount all of `nodes` that are vfat or exfat, in their order: a medium only if none of its partitions is.
+/// @param nodes   of block_devices()
 /// @param socket  where it listens
-/// @returns a descriptor of the stick's top folder, the caller's. When it and all files opened through it are closed, the stick is unmounted
+/// @returns the caller's descriptors. When one and all files opened through it are closed, that partition is unmounted
 /// @retval ErrorCode::kMountFailed  none can be mounted: the kernel's reason; or plumbline-mount does not answer
-[[nodiscard]] Expected<int> mount_stick(const std::vector<std::string>& nodes, const std::string& socket);
+[[nodiscard]] Expected<StickParts> mount_stick(const std::vector<std::string>& nodes, const std::string& socket);
 
-/// Has plumbline-mount copy a report onto the first of `nodes` that is vfat or exfat.
+/// Has plumbline-mount copy a report onto the first of `nodes` that is vfat or exfat and has the folder for it.
 /// @retval ErrorCode::kMountFailed  as mount_stick()
 /// @retval ErrorCode::kCannotWrite  the stick is full or write-protected, or its file system is damaged
 /// @returns false if it is there already

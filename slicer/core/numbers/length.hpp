@@ -1,5 +1,5 @@
 #pragma once
-/// Lengths and areas with their unit in the type, where they leave the stage that measured them.
+/// Lengths with their unit in the type, where they leave the stage that measured them.
 
 namespace plumbline {
 
@@ -11,10 +11,6 @@ template <class Unit>
 struct Length {
   float value = 0;
 };
-template <class Unit>
-struct Area {
-  float value = 0;  ///< squared units
-};
 using ScanLength = Length<ScanUnit>;
 using PrintLength = Length<Millimetre>;
 
@@ -23,9 +19,6 @@ class ScanScale {
  public:
   explicit ScanScale(double mm_per_unit) : mm_per_unit_(mm_per_unit) {}
   PrintLength operator()(ScanLength length) const { return {length.value * static_cast<float>(mm_per_unit_)}; }
-  Area<Millimetre> operator()(Area<ScanUnit> area) const {
-    return {area.value * static_cast<float>(mm_per_unit_ * mm_per_unit_)};
-  }
 
  private:
   double mm_per_unit_;

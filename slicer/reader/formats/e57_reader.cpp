@@ -71,8 +71,10 @@ class E57Reader {
                       .is_packed = true};
     for (const E57Scan& scan : *scans) {
       header.has_normals |= scan.has_normals();
+      any_placed_ |= scan.is_placed;
       header.declared_points = saturating_add(*header.declared_points, scan.points);
     }
+    header.has_views = any_placed_ || scans->size() > 1;
     PLUMBLINE_TRY(batch_.begin(header));
     const Status again = pages_.rewind();
     if (!again && again.error().code() == ErrorCode::kUnsupported) {
@@ -86,7 +88,13 @@ class E57Reader {
     PLUMBLINE_TRY(kept);
     // No section is read twice, whatever the XML says.
     std::sort(scans->begin(), scans->end(), [](const E57Scan& a, const E57Scan& b) { return a.section < b.section; });
-    for (const E57Scan& scan : *scans) PLUMBLINE_TRY(read_scan(scan, *kept));
+    for (const E57Scan& scan : *scans) {
+      // Programs give merged clouds a pose that does nothing, too. Beside other poses it is the first scanner's.
+      ScanView view;
+      if (any_placed_) view.scanner = scan.pose.translation * kMmPerMetre;
+      if (header.has_views) PLUMBLINE_TRY(batch_.begin_view(view));
+      PLUMBLINE_TRY(read_scan(scan, *kept));
+    }
     return {};
   }
 
@@ -239,7 +247,8 @@ class E57Reader {
   Arena& memory_;
   std::uint64_t xml_at_ = 0;  ///< logical
   std::uint64_t xml_bytes_ = 0;
-  std::uint64_t done_ = 0;  ///< points of the scan
+  std::uint64_t done_ = 0;   ///< points of the scan
+  bool any_placed_ = false;  ///< E57Scan::is_placed
   std::array<std::uint8_t, kE57MostStreams> slot_of_stream_ = {};
   std::array<char, 2 * kE57MostStreams> lengths_ = {};
 };

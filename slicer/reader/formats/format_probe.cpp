@@ -133,7 +133,7 @@ class Probe {
       return telling(Told(mark.code, {}, input_.name()),
                      input_.fail(ErrorCode::kUnknownFormat, "this is %s;\t%s", mark.what, mark.advice));
     };
-    const bool archive = has_ending(input_.name(), ".sl1") || has_ending(input_.name(), ".sl1s");
+    const bool archive = is_archive_name() && !has_ending(input_.name(), ".zip");
     if ((archive && window_.starts_with(kZipSignature)) || is_sliced_zip()) {
       constexpr const char* kSliced = "a print that is sliced already";
       if (is_archive_name()) return refuse({{}, kSliced, "print it, or check it"});

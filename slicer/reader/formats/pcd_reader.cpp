@@ -27,9 +27,11 @@ Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory, Arena& colum
   PLUMBLINE_TRY(batch.begin({.format = ScanFormat::kPcd,
                              .encoding = encoding_of(header->data),
                              .has_normals = header->layout.has_normal(),
+                             .has_views = header->scanner.has_value(),
                              .declared_points = header->points,
                              .is_packed = header->data == PcdData::kBinaryCompressed,
                              .reader_bytes = compressed_columns_bytes(*header)}));
+  if (header->scanner) PLUMBLINE_TRY(batch.begin_view({.scanner = header->scanner}));
   switch (header->data) {
     case PcdData::kAscii:
       PLUMBLINE_TRY(read_text_points(lines, header->layout, header->points, batch));

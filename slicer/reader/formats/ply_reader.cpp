@@ -9,19 +9,33 @@
 namespace plumbline {
 namespace {
 
-Status read_vertices(const PlyHeader& header, LineInput& lines, PointBatch& batch) {
-  ByteInput& input = lines.input();
+/// Elements behind the vertices are not read, but where rows may not fit their header.
+Status read_text_vertices(const PlyHeader& header, LineInput& lines, PointBatch& batch) {
+  TextRecords records(lines);
   for (const PlyElement& element : header.before_vertex) {
-    if (element.layout.steps().empty()) continue;  // no properties: no bytes, no line
-    PLUMBLINE_TRY(header.ascii ? skip_text_records(lines, element.count)
-                               : skip_binary_records(input, element.layout, element.count, header.order));
+    PLUMBLINE_TRY(records.skip(element.layout, element.count, "records before its points"));
   }
   const PlyElement& vertex = header.vertex;
-  PLUMBLINE_TRY(header.ascii ? read_text_points(lines, vertex.layout, vertex.count, batch)
-                             : read_binary_points(input, vertex.layout, vertex.count, header.order, batch));
-  if (!header.ends_with_vertices) return {};
-  return header.ascii ? check_text_end(lines, "vertices", vertex.count)
-                      : check_end(input, "vertices", vertex.count, vertex.layout.least_bytes());
+  PLUMBLINE_TRY(records.read_points(vertex.layout, vertex.count, batch));
+  if (header.ends_with_vertices) return records.check_end("vertices", vertex.count);
+  if (!records.is_loose()) return {};
+  for (const PlyElement& element : header.before_face) {
+    PLUMBLINE_TRY(records.skip(element.layout, element.count, "records after its points"));
+  }
+  PLUMBLINE_TRY(records.skip(header.face.layout, header.face.count, "faces"));
+  if (header.face.count > 0 && !header.ends_with_faces) return {};
+  return records.check_end("faces", header.face.count);
+}
+
+Status read_vertices(const PlyHeader& header, LineInput& lines, PointBatch& batch) {
+  if (header.ascii) return read_text_vertices(header, lines, batch);
+  ByteInput& input = lines.input();
+  for (const PlyElement& element : header.before_vertex) {
+    PLUMBLINE_TRY(skip_binary_records(input, element.layout, element.count, header.order));
+  }
+  const PlyElement& vertex = header.vertex;
+  PLUMBLINE_TRY(read_binary_points(input, vertex.layout, vertex.count, header.order, batch));
+  return header.ends_with_vertices ? check_end(input, "vertices", vertex.count, vertex.layout.least_bytes()) : Status();
 }
 
 const char* splat_encoding(const PlyHeader& header) {

@@ -1,6 +1,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <optional>
 
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/records/record_text.hpp"
@@ -26,16 +27,19 @@ class PtxReader {
       const auto found = next();
       PLUMBLINE_TRY(found);
       if (!*found) return {};
-      const auto points = read_size();
-      PLUMBLINE_TRY(points);
+      PLUMBLINE_TRY(read_size());
+      const std::uint64_t points = saturating_multiply(columns_, rows_);
       if (first) {
-        PLUMBLINE_TRY(batch_.begin(
-            {.format = ScanFormat::kPtx, .encoding = "ascii", .has_normals = false, .declared_points = *points}));
+        PLUMBLINE_TRY(batch_.begin({.format = ScanFormat::kPtx,
+                                    .encoding = "ascii",
+                                    .has_normals = false,
+                                    .has_views = true,
+                                    .declared_points = points}));
       }
-      // The scanner's place and axes: the transform says the same.
-      for (int i = 0; i < 4; ++i) PLUMBLINE_TRY(read_numbers(std::span(numbers_).first(3), "the scanner's axes"));
+      PLUMBLINE_TRY(read_place());
       PLUMBLINE_TRY(read_pose());
-      PLUMBLINE_TRY(read_points(*points));
+      PLUMBLINE_TRY(batch_.begin_view({.scanner = scanner()}));
+      PLUMBLINE_TRY(read_points(points));
     }
   }
 
@@ -70,14 +74,15 @@ class PtxReader {
         number(), what, Quote(line_.text).c_str());
   }
 
-  /// @returns columns * rows
-  Expected<std::uint64_t> read_size() {
+  Status read_size() {
     const auto columns = read_count("columns");
     PLUMBLINE_TRY(columns);
     PLUMBLINE_TRY(need_next("the rows"));
     const auto rows = read_count("rows");
     PLUMBLINE_TRY(rows);
-    return saturating_multiply(*columns, *rows);
+    columns_ = *columns;
+    rows_ = *rows;
+    return {};
   }
 
   Status read_numbers(std::span<double> numbers, const char* what) {
@@ -93,6 +98,23 @@ class PtxReader {
                                  this->number(), numbers.size(), what, Quote(line_.text).c_str());
     }
     return {};
+  }
+
+  /// The scanner's place, and its axes, which the transform has too.
+  Status read_place() {
+    for (int line = 0; line < 4; ++line) {
+      PLUMBLINE_TRY(read_numbers(std::span(numbers_).first(3), "the scanner's axes"));
+      if (line == 0) place_ = {numbers_[0], numbers_[1], numbers_[2]};
+    }
+    return {};
+  }
+
+  /// The scanner stands at the origin of its scan, which the transform moves to the place that the header states. Where points are already in
+  /// the common frame, only that place tells. A list without rows and columns, with everything at 0, is a merged cloud.
+  std::optional<Vec3d> scanner() const {
+    if (pose_.translation != Vec3d::Zero()) return pose_.translation;
+    if (place_ == Vec3d::Zero() && (columns_ < 2 || rows_ < 2)) return std::nullopt;
+    return place_;
   }
 
   /// The transform is for row vectors: p' = p M, with the translation in the last row.
@@ -148,6 +170,8 @@ class PtxReader {
   RecordStep steps_[3];
   RecordLayout three_{steps_};
   Line line_;
+  std::uint64_t columns_ = 0, rows_ = 0;
+  Vec3d place_ = Vec3d::Zero();
   ScanPose pose_;
   std::array<double, 4> numbers_ = {};
 };

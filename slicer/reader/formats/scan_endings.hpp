@@ -14,6 +14,7 @@ inline constexpr std::array<std::string_view, 10> kMarkedEndings = {".ply", ".pc
                                                                     ".3mf", ".las", ".ptx", ".e57", ".spz"};
 
 /// Prints that are sliced already. The slicer does not read them. It says what a file with such an ending really is.
-inline constexpr std::array<std::string_view, 3> kArchiveEndings = {".sl1", ".sl1s", ".zip"};
+inline constexpr std::array<std::string_view, 6> kArchiveEndings = {".sl1", ".sl1s", ".zip",
+                                                                    ".cws", ".uvj",  ".nanodlp"};
 
 }  // namespace plumbline

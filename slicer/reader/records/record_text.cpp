@@ -1,5 +1,6 @@
 #include "slicer/reader/records/record_text.hpp"
 
+#include "slicer/reader/records/records_end.hpp"
 #include "slicer/reader/stream/number.hpp"
 
 namespace plumbline {
@@ -32,11 +33,14 @@ bool skip_words(const char*& at, const char* last, std::uint64_t count, const Se
 
 }  // namespace
 
+const char* slot_name(std::size_t slot) { return kSlotNames[slot]; }
+
 bool is_blank(std::string_view text) {
   return skip_separators(text.data(), text.data() + text.size(), kBlanks) == text.data() + text.size();
 }
 
-RowOutcome parse_row(std::string_view text, const RecordLayout& layout, const Separators& separators, SlotValues& row) {
+RowOutcome parse_row(std::string_view text, const RecordLayout& layout, const Separators& separators, SlotValues& row,
+                     const char** end) {
   const char* at = text.data();
   const char* const last = at + text.size();
   const auto steps = layout.steps();
@@ -56,7 +60,7 @@ RowOutcome parse_row(std::string_view text, const RecordLayout& layout, const Se
       at = stop;
       continue;
     }
-    if (at == last && &step == &steps.back()) return {};
+    if (at == last && &step == &steps.back()) break;
     if (at == last) return {.kind = Kind::kTooFew, .wanted = "the length of a list"};
     const char* stop = skip_word(at, last, separators);
     const std::string_view word(at, static_cast<std::size_t>(stop - at));
@@ -65,6 +69,7 @@ RowOutcome parse_row(std::string_view text, const RecordLayout& layout, const Se
     at = stop;
     if (!skip_words(at, last, *count, separators)) return {.kind = Kind::kTooFew, .wanted = "an item of a list"};
   }
+  if (end != nullptr) *end = at;
   return {};
 }
 
@@ -89,6 +94,12 @@ tl::unexpected<Error> fail_row(const LineInput& lines, const Line& line, const R
                       "line %llu: the file ends in the middle of a point, before %s;\tcopy or export it again", number,
                       outcome.wanted);
   }
+  if (outcome.kind == Kind::kOtherCells) {
+    return input.fail(ErrorCode::kMalformed,
+                      "line %llu: has more or fewer cells than the rows before it, in '%s';\tput quotes around names "
+                      "that have separators, or export the file again",
+                      number, Quote(line.text).c_str());
+  }
   if (outcome.kind == Kind::kTooFew) {
     return input.fail(ErrorCode::kMalformed,
                       "line %llu: too few numbers, %s is missing in '%s';\tcorrect the line or export the file again",
@@ -97,6 +108,122 @@ tl::unexpected<Error> fail_row(const LineInput& lines, const Line& line, const R
   return input.fail(ErrorCode::kMalformed,
                     "line %llu: expected a number for %s, found '%s';\tcorrect the line or export the file again",
                     number, outcome.wanted, Quote(outcome.word).c_str());
+}
+
+Expected<bool> TextRecords::next_line() {
+  const auto found = lines_.next_part(line_);
+  PLUMBLINE_TRY(found);
+  rest_ = line_.text;
+  if (!*found || is_blank(rest_)) {
+    if (*found && line_.cut && rest_.empty()) {
+      return lines_.input().fail(ErrorCode::kUnsupported, "line %llu: a word longer than %zu bytes;\texport it again",
+                                 static_cast<unsigned long long>(lines_.number()), lines_.input().capacity());
+    }
+    return *found;
+  }
+  return true;
+}
+
+Expected<std::string_view> TextRecords::next_word() {
+  while (is_blank(rest_)) {
+    const auto found = next_line();
+    PLUMBLINE_TRY(found);
+    if (!*found) return std::string_view();
+  }
+  LineWords words(rest_);
+  const auto word = words.next();
+  rest_ = words.rest();
+  return word;
+}
+
+Expected<bool> TextRecords::next(const RecordLayout& layout, SlotValues& row) {
+  const bool begins_line = is_blank(rest_);
+  while (is_blank(rest_)) {
+    const auto found = next_line();
+    PLUMBLINE_TRY(found);
+    if (!*found) return false;
+  }
+  const char* end = nullptr;
+  const RowOutcome outcome = parse_row(rest_, layout, kBlanks, row, &end);
+  if (outcome.kind == Kind::kNotANumber) return fail_row(lines_, line_, outcome);
+  if (outcome.kind == Kind::kWhole) {
+    rest_ = {end, static_cast<std::size_t>(rest_.data() + rest_.size() - end)};
+    return true;
+  }
+  const auto read = next_by_words(layout, row);
+  is_loose_ = is_loose_ || !begins_line || !is_line_end();
+  return read;
+}
+
+/// Reads a record that goes on in the next line.
+Expected<bool> TextRecords::next_by_words(const RecordLayout& layout, SlotValues& row) {
+  const auto truncated = [this](const char* wanted) {
+    line_.unterminated = true;
+    return fail_row(lines_, line_, {.kind = Kind::kTooFew, .word = {}, .wanted = wanted});
+  };
+  const auto skip = [&](std::uint64_t words, const char* what) -> Status {
+    for (std::uint64_t i = 0; i < words; ++i) {
+      const auto word = next_word();
+      PLUMBLINE_TRY(word);
+      if (word->empty()) return truncated(what);
+    }
+    return {};
+  };
+  const auto steps = layout.steps();
+  for (const RecordStep& step : steps) {
+    if (step.kind == RecordStep::Kind::kSkip) {
+      PLUMBLINE_TRY(skip(step.words, "a column"));
+      continue;
+    }
+    if (step.kind == RecordStep::Kind::kList && &step == &steps.back() && is_line_end()) return true;
+    const auto word = next_word();
+    PLUMBLINE_TRY(word);
+    const char* const end = word->data() + word->size();
+    if (step.kind == RecordStep::Kind::kField) {
+      if (word->empty()) return truncated(kSlotNames[step.slot]);
+      if (parse_real(word->data(), end, row[step.slot]) == end) continue;
+      return fail_row(lines_, line_, {.kind = Kind::kNotANumber, .word = *word, .wanted = kSlotNames[step.slot]});
+    }
+    const auto count = parse_count(*word);
+    if (word->empty()) return truncated("the length of a list");
+    if (!count) {
+      return fail_row(lines_, line_, {.kind = Kind::kNotANumber, .word = *word, .wanted = "the length of a list"});
+    }
+    PLUMBLINE_TRY(skip(*count, "an item of a list"));
+  }
+  return true;
+}
+
+Status TextRecords::read_points(const RecordLayout& layout, std::uint64_t count, PointBatch& batch) {
+  SlotValues row = {};
+  for (std::uint64_t done = 0; done < count; ++done) {
+    const auto found = next(layout, row);
+    PLUMBLINE_TRY(found);
+    if (!*found) return fail_truncated(lines_, "points", done, count);
+    batch.add(row);
+    if (batch.full()) PLUMBLINE_TRY(batch.flush());
+  }
+  return {};
+}
+
+Status TextRecords::skip(const RecordLayout& layout, std::uint64_t count, const char* what) {
+  SlotValues row = {};
+  if (layout.steps().empty()) return {};  // no properties: no words
+  for (std::uint64_t done = 0; done < count; ++done) {
+    const auto found = next(layout, row);
+    PLUMBLINE_TRY(found);
+    if (!*found) return fail_truncated(lines_, what, done, count);
+  }
+  return {};
+}
+
+Status TextRecords::check_end(const char* what, std::uint64_t count) {
+  if (is_line_end()) return check_text_end(lines_, what, count);
+  return lines_.input().fail(ErrorCode::kMalformed,
+                             "line %llu: its header declares %llu %s, but '%s' follows them, or its rows don't fit its "
+                             "header;\texport it again",
+                             static_cast<unsigned long long>(lines_.number()), static_cast<unsigned long long>(count),
+                             what, Quote(rest_).c_str());
 }
 
 Status read_text_points(LineInput& lines, const RecordLayout& layout, std::uint64_t count, PointBatch& batch) {
@@ -114,17 +241,6 @@ Status read_text_points(LineInput& lines, const RecordLayout& layout, std::uint6
     ++done;
     batch.add(row);
     if (batch.full()) PLUMBLINE_TRY(batch.flush());
-  }
-  return {};
-}
-
-Status skip_text_records(LineInput& lines, std::uint64_t count) {
-  Line line;
-  for (std::uint64_t done = 0; done < count;) {
-    const auto found = lines.next(line);
-    PLUMBLINE_TRY(found);
-    if (!*found) return fail_truncated(lines, "records before its points", done, count);
-    if (line.cut || !is_blank(line.text)) ++done;
   }
   return {};
 }

@@ -54,16 +54,25 @@ Expected<bool> LineInput::next(Line& line) {
       }
     }
     line.text = {first, static_cast<std::size_t>(end - first)};
-    input_.consume(static_cast<std::size_t>(end - first) + (end == input_.end() ? 0 : 1));
     if (line.cut) {
-      // Drop the last word: it may be half of a number.
+      // Leave the last word, which may be half of a number, unless there is no other.
       while (!line.text.empty() && !kBlanksAndCommas(line.text.back())) line.text.remove_suffix(1);
+      if (!line.text.empty()) end = first + line.text.size();
     }
+    input_.consume(static_cast<std::size_t>(end - first) + (line.cut || end == input_.end() ? 0 : 1));
     while (!line.cut && !line.text.empty() && line.text.back() == '\r') line.text.remove_suffix(1);
     if (terminator_ == '\r' && !line.text.empty() && line.text.front() == '\n') line.text.remove_prefix(1);
     ++number_;
     return true;
   }
+}
+
+Expected<bool> LineInput::next_part(Line& line) {
+  if (rest_) {
+    rest_ = false;
+    --number_;
+  }
+  return next(line);
 }
 
 Expected<char> LineInput::skip_rest() {

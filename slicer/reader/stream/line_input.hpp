@@ -23,6 +23,10 @@ class LineInput {
   /// @returns false at the end of the file
   [[nodiscard]] Expected<bool> next(Line& line);
 
+  /// Returns more of a line that was cut, for text in which line ends mean no more than blanks.
+  /// @returns as next()
+  [[nodiscard]] Expected<bool> next_part(Line& line);
+
   /// Consumes the rest of a line that next() cut.
   /// @returns the last byte of the line, 0 if nothing was left. A backslash there continues the line in OBJ
   [[nodiscard]] Expected<char> skip_rest();

@@ -1,5 +1,6 @@
 #include "slicer/reader/stream/number.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <limits>
@@ -10,6 +11,8 @@ namespace plumbline {
 namespace {
 
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+/// Fortran writes the exponent of a double with a D.
+constexpr bool begins_exponent(char c) { return c == 'e' || c == 'E' || c == 'd' || c == 'D'; }
 
 /// Whether a number that std::from_chars calls out of range is too large, not too small. Either is hundreds of powers of
 /// ten away from one, so the power of its first digit tells them apart.
@@ -54,6 +57,16 @@ const char* parse_microsoft_nan(const char* first, const char* last) {
   return nullptr;
 }
 
+/// Parses the number in [first, last) with a byte of it replaced by another.
+/// @returns the byte after the number, nullptr if there is none or if it is too long to be one
+const char* parse_replaced(const char* first, const char* last, char found, char by, double& value) {
+  std::array<char, 64> copy;
+  const auto size = std::min(copy.size(), static_cast<std::size_t>(last - first));
+  std::replace_copy(first, first + size, copy.begin(), found, by);
+  const char* const stop = parse_real(copy.data(), copy.data() + size, value);
+  return stop == nullptr || (stop == copy.end() && first + size != last) ? nullptr : first + (stop - copy.data());
+}
+
 /// Those powers of ten that are doubles.
 constexpr std::array<double, 23> kPowers = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                             1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -93,7 +106,7 @@ const char* parse_short(const char* first, const char* last, double& value) {
   }
   const auto whole = static_cast<std::int64_t>(digits);
   if (count > kMostDigits || whole > kLargest) return nullptr;
-  if (p != last && (*p == 'e' || *p == 'E')) {
+  if (p != last && begins_exponent(*p)) {
     ++p;
     const bool is_small = p != last && *p == '-';
     if (p != last && (*p == '-' || *p == '+')) ++p;
@@ -128,8 +141,18 @@ const char* parse_real(const char* first, const char* last, double& value) {
     value = std::numeric_limits<double>::quiet_NaN();
     return parse_microsoft_nan(stop, last);
   }
+  if (stop != last && (*stop == 'd' || *stop == 'D')) return parse_replaced(first, last, *stop, 'e', value);
   value = parsed;
   return stop;
+}
+
+const char* parse_decimal_comma(const char* first, const char* last, double& value) {
+  const char* const comma = std::find(first, last, ',');
+  if (comma == first || comma == last || !is_digit(comma[-1]) || comma + 1 == last || !is_digit(comma[1]))
+    return nullptr;
+  const auto is_mark = [](char c) { return c == ',' || c == '.'; };
+  if (std::find_if(first, comma, is_mark) != comma || std::find_if(comma + 1, last, is_mark) != last) return nullptr;
+  return parse_replaced(first, last, ',', '.', value);
 }
 
 std::optional<std::uint64_t> parse_count(std::string_view word) {

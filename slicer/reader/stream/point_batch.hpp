@@ -55,6 +55,13 @@ class PointBatch {
     return sink_.begin(header);
   }
 
+  /// Call before the first add() of each view.
+  [[nodiscard]] Status begin_view(const ScanView& view) {
+    PLUMBLINE_TRY(flush());
+    sink_.begin_view(view);
+    return {};
+  }
+
   /// Also passes on points with a coordinate that is not finite: the corners of a mesh keep their numbers.
   void keep_not_finite() { keeps_not_finite_ = true; }
 

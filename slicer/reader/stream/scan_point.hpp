@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "slicer/core/error.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/reader/stream/read_progress.hpp"
 
 namespace plumbline {
@@ -25,6 +26,7 @@ struct ScanHeader {
   const char* encoding = "";                     ///< "ascii", "binary little endian", "binary compressed", ...
   bool has_normals = false;                      ///< it has columns or properties for normals
   bool has_unsigned_normals = false;             ///< either side of the surface, not always its outside
+  bool has_views = false;                        ///< it says which points were seen together, and mostly from where
   bool is_in_mm = false;                         ///< whatever unit is asked for: the format fixes its unit
   std::optional<std::uint64_t> declared_points;  ///< not to be trusted before as many points have been read
   bool is_packed = false;                        ///< a point may take less than a byte of the file
@@ -32,11 +34,18 @@ struct ScanHeader {
                                                  ///< not to be trusted either
 };
 
+/// One exposure or sweep of a scanner. A merged scan has many.
+struct ScanView {
+  std::optional<Vec3d> scanner;  ///< where the scanner stood, scan units; none: the file doesn't say
+};
+
 /// Receives the points in the order of the file, in batches.
 class PointSink : public ReadProgress {
  public:
   /// Called once, before the first batch.
   [[nodiscard]] virtual Status begin(const ScanHeader& header) = 0;
+  /// Called before the points of each view, if ScanHeader::has_views.
+  virtual void begin_view(const ScanView& /*view*/) {}
   /// @param points  one or more, valid only during the call
   [[nodiscard]] virtual Status take(std::span<const ScanPoint> points) = 0;
 };

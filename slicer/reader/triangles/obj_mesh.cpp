@@ -43,9 +43,11 @@ class ObjMeshReader {
     Vec3d p;
     for (int axis = 0; axis < 3; ++axis) {
       at = skip_separators(at, last, kBlanks);
-      const char* const stop = parse_real(at, last, p[axis]);
-      if (stop == nullptr || (stop != last && !kBlanks(*stop))) {
-        const std::string_view word(at, static_cast<std::size_t>(skip_word(at, last, kBlanks) - at));
+      const char* const end = skip_word(at, last, kBlanks);
+      const char* stop = parse_real(at, last, p[axis]);
+      if (stop != end) stop = parse_decimal_comma(at, end, p[axis]);
+      if (stop != end || at == end) {
+        const std::string_view word(at, static_cast<std::size_t>(end - at));
         return fail_row(lines_.lines(), lines_.line(),
                         {.kind = word.empty() ? RowOutcome::Kind::kTooFew : RowOutcome::Kind::kNotANumber,
                          .word = word,

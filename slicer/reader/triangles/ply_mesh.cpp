@@ -69,7 +69,7 @@ class PlyMeshReader {
     }
     if (!header_.ends_with_faces) return {};
     const PlyElement& face = header_.face;
-    return header_.ascii ? check_text_end(lines_, "faces", face.count)
+    return header_.ascii ? records_.check_end("faces", face.count)
                          : check_end(input_, "faces", face.count, face.layout.least_bytes());
   }
 
@@ -78,8 +78,8 @@ class PlyMeshReader {
 
   Status skip(std::span<const PlyElement> elements) {
     for (const PlyElement& element : elements) {
-      if (element.layout.steps().empty()) continue;  // no properties: no bytes, no line
-      PLUMBLINE_TRY(header_.ascii ? skip_text_records(lines_, element.count)
+      if (element.layout.steps().empty()) continue;  // no properties: no bytes, no words
+      PLUMBLINE_TRY(header_.ascii ? records_.skip(element.layout, element.count, "records before its faces")
                                   : skip_binary_records(input_, element.layout, element.count, header_.order));
     }
     return {};
@@ -94,8 +94,9 @@ class PlyMeshReader {
     points.keep_not_finite();
     PLUMBLINE_TRY(points.begin({}));
     const PlyElement& vertex = header_.vertex;
-    PLUMBLINE_TRY(header_.ascii ? read_text_points(lines_, vertex.layout, vertex.count, points)
+    PLUMBLINE_TRY(header_.ascii ? records_.read_points(vertex.layout, vertex.count, points)
                                 : read_binary_points(input_, vertex.layout, vertex.count, header_.order, points));
+    is_loose_ = header_.ascii && records_.is_loose();
     return points.flush();
   }
 
@@ -168,60 +169,58 @@ class PlyMeshReader {
   }
 
   Status read_text_face() {
-    Line line;
-    for (;;) {
-      const auto found = lines_.next(line);
-      PLUMBLINE_TRY(found);
-      if (!*found) return fail_truncated();
-      if (line.cut) {
-        return input_.fail(
-            ErrorCode::kUnsupported,
-            "line %llu: a face longer than a line may be (%zu bytes);\texport triangles, or use --as points",
-            static_cast<unsigned long long>(lines_.number()), input_.capacity());
-      }
-      if (!is_blank(line.text)) break;
-    }
-    LineWords words(line.text);
+    const bool begins_line = records_.is_line_end();
+    unsigned long long line = 0;
+    bool has_corners = false;
     for (const RecordStep& step : header_.face.layout.steps()) {
+      if (has_corners && records_.is_line_end()) break;  // what follows the corners may be missing
       std::uint64_t items = step.words;
+      const bool is_corners = step.kind == Kind::kList && step.slot == 1;
       if (step.kind == Kind::kList) {
-        const auto count = parse_count(words.next());
-        if (!count) return fail_face(line);
+        const auto word = records_.next_word();
+        PLUMBLINE_TRY(word);
+        const auto count = parse_count(*word);
+        if (!count) return fail_face(*word);
+        if (line == 0) line = lines_.number();
         items = *count;
-        if (step.slot == 1) {
-          begin_corners();
-          for (std::uint64_t i = 0; i < items; ++i) {
-            const auto word = words.next();
-            const auto whole = parse_count(word);
-            double index = static_cast<double>(whole.value_or(0));
-            const char* const end = word.data() + word.size();
-            if (!whole && parse_real(word.data(), end, index) != end) return fail_face(line);
-            PLUMBLINE_TRY(add_corner(index));
-          }
-          break;  // what follows is not needed
-        }
+        if (is_corners) begin_corners();
       }
       for (std::uint64_t i = 0; i < items; ++i) {
-        if (words.next().empty()) return fail_face(line);
+        const auto word = records_.next_word();
+        PLUMBLINE_TRY(word);
+        if (word->empty()) return fail_truncated();
+        if (!is_corners) continue;
+        const auto whole = parse_count(*word);
+        double index = static_cast<double>(whole.value_or(0));
+        const char* const end = word->data() + word->size();
+        if (!whole && parse_real(word->data(), end, index) != end) return fail_face(*word);
+        PLUMBLINE_TRY(add_corner(index));
       }
+      has_corners = has_corners || is_corners;
     }
-    return {};
+    // A corner that is missing would be taken from the next face.
+    const bool is_whole = line == lines_.number() || (begins_line && records_.is_line_end());
+    return is_whole || is_loose_ ? Status() : Status(fail_face(records_.line().text));
   }
 
-  tl::unexpected<Error> fail_face(const Line& line) const {
-    return input_.fail(line.unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
-                       "line %llu: expected a face, found '%s';\tcopy or export the file again, or use --as points",
-                       static_cast<unsigned long long>(lines_.number()), Quote(line.text).c_str());
+  tl::unexpected<Error> fail_face(std::string_view word) const {
+    if (word.empty()) return fail_truncated();
+    return input_.fail(records_.line().unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
+                       "line %llu: expected a face, found '%s';\tcopy or export the file again, or use --as "
+                       "points",
+                       static_cast<unsigned long long>(lines_.number()), Quote(word).c_str());
   }
 
   ByteInput& input_;
   LineInput lines_;
+  TextRecords records_{lines_};
   TriangleBatch& batch_;
   VertexList& vertices_;
   FaceFan fan_;
   FaceStrip strip_;
   PlyHeader header_;
   std::uint64_t face_ = 0;
+  bool is_loose_ = false;  ///< lines of the vertices end anywhere
 };
 
 }  // namespace

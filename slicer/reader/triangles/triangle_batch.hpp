@@ -28,6 +28,15 @@ class TriangleBatch {
     return count_ == room_.size() ? flush() : Status{};
   }
 
+  /// Says whose the triangles that follow are.
+  [[nodiscard]] Status begin_body(BodyLabel body) {
+    if (body == body_) return {};
+    PLUMBLINE_TRY(flush());
+    body_ = body;
+    sink_.begin_body(body);
+    return {};
+  }
+
   /// Passes the collected triangles to the sink, if there are any.
   [[nodiscard]] Status flush() {
     if (count_ == 0) return {};
@@ -54,6 +63,7 @@ class TriangleBatch {
   std::span<Triangle> room_;
   MeshSummary& summary_;
   std::size_t count_ = 0;
+  BodyLabel body_;
 };
 
 }  // namespace plumbline

@@ -50,6 +50,17 @@ TEST(ZipReader, VisitsTheEntriesOfItsDirectory) {
   EXPECT_EQ(walk.entries, 1000U);
 }
 
+TEST(ZipReader, RefusesADirectoryThatGoesOnBehindItsEnd) {
+  for (const std::uint64_t claimed : {1U, 10U, 141U}) {
+    const ZipWalk walk(directory_of(142, claimed));
+    ASSERT_FALSE(walk.result) << claimed;
+    EXPECT_STREQ(walk.result.error().message(), ("part.sl1: holds more files than the " + std::to_string(claimed) +
+                                                 " that its end declares. Copy or export it again")
+                                                    .c_str());
+  }
+  EXPECT_FALSE(ZipWalk(directory_of(10, 142)).result);
+}
+
 // A directory with 2^16 - 1 entries or more has this number where it has no longer one elsewhere, and is read to its end.
 TEST(ZipReader, RefusesTooManyEntriesWhateverTheirNumberIsSaidToBe) {
   const ZipWalk walk(directory_of(ZipReader::kMostEntries + 1, 0xffff));

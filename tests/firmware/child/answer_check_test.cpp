@@ -115,8 +115,55 @@ TEST_F(AnswerCheck, RefusesCrossingsAndSupportsOutsideTheGrid) {
       [&](auto memory) { at<Strut>(memory, good_.supports_at)->first = 65535; },
       [&](auto memory) { at<Strut>(memory, good_.supports_at)->kind = static_cast<StrutKind>(kStrutKinds); },
       [&](auto memory) { at<Strut>(memory, good_.supports_at)->lies = 2; },
+      [&](auto memory) {  // the drawing takes them in the order of their first layers
+        auto* const struts = at<Strut>(memory, good_.supports_at);
+        ASSERT_LT(struts[0].first, struts[good_.supports - 1].first);
+        std::swap(struts[0], struts[good_.supports - 1]);
+      },
   };
   for (std::size_t i = 0; i < damages.size(); ++i) EXPECT_FALSE(check(good_, damages[i])) << i;
+}
+
+TEST_F(AnswerCheck, RefusesAPixelThatIsCrossedTwiceInALayer) {
+  const auto with_second = [&](std::int64_t behind_first) {
+    return check(good_, [&](auto memory) {
+      const auto* const first = at<std::uint32_t>(memory, good_.first_at);
+      auto* const pixel = at<std::uint32_t>(memory, good_.pixel_at);
+      const auto layer =
+          std::find_if(first, first + good_.layers, [](const std::uint32_t& one) { return (&one)[1] >= one + 2; });
+      ASSERT_NE(layer, first + good_.layers);
+      pixel[*layer] = 1;
+      pixel[*layer + 1] = static_cast<std::uint32_t>(1 + behind_first);
+    });
+  };
+  EXPECT_TRUE(with_second(1));
+  EXPECT_FALSE(with_second(0)) << "an even number of crossings would turn the ray inside out";
+  EXPECT_FALSE(with_second(-1));
+}
+
+TEST_F(AnswerCheck, RefusesAnIssueOneBesideTheGridOnAnySide) {
+  const auto with = [&](const std::function<void(Issue&)>& change) {
+    ScanAnswer answer = good_;
+    for (IssueGroup& group : answer.findings.groups) group = {};
+    IssueGroup& group = answer.findings.groups[0];
+    group.count = group.kept_count = 1;
+    group.pixels = group.voxels = 4;
+    Issue& issue = group.kept[0];
+    issue = {.kind = static_cast<IssueKind>(0), .pixels = 4, .voxels = 4};
+    issue.column = 402;
+    issue.row = 299;
+    issue.layer = issue.first_layer = issue.last_layer = answer.layers - 1;
+    change(issue);
+    return check(answer).has_value();
+  };
+  EXPECT_TRUE(with([](Issue&) {})) << "in the last corner";
+  EXPECT_FALSE(with([](Issue& issue) { issue.column = 403; }));
+  EXPECT_FALSE(with([](Issue& issue) { issue.row = 300; }));
+  EXPECT_FALSE(with([&](Issue& issue) { issue.last_layer = good_.layers; }));
+  EXPECT_FALSE(with([&](Issue& issue) { issue.first_layer = good_.layers; }));
+  EXPECT_FALSE(with([](Issue& issue) { issue.pixels = 5; }));
+  EXPECT_FALSE(with([](Issue& issue) { issue.kind = static_cast<IssueKind>(1); }));
+  EXPECT_FALSE(with([](Issue& issue) { issue.held_n = -1; }));
 }
 
 TEST_F(AnswerCheck, SurvivesScribblesOverAnswerAndMemory) {
@@ -244,13 +291,15 @@ TEST_F(ArchiveAnswerCheck, TakesWhatARealChildHandsBack) {
   EXPECT_EQ(checked->grid.layers, kLayers);
   EXPECT_EQ(checked->layers.size(), kLayers);
   EXPECT_FLOAT_EQ(checked->grid.layer_height_mm, 0.1F);
-  EXPECT_EQ(checked->settings.exposure_s, 2);
-  EXPECT_EQ(checked->settings.initial_exposure_s, 20);
-  EXPECT_EQ(checked->settings.faded_layers, 3U);
+  EXPECT_EQ(checked->settings.value(PrintKey::kExposureTime), 2);
+  EXPECT_EQ(checked->settings.value(PrintKey::kInitialExposureTime), 20);
+  EXPECT_EQ(checked->settings.value(PrintKey::kFadedLayers), 3);
   EXPECT_EQ(checked->extent.left, 64U);
   EXPECT_EQ(checked->extent.right, 128U);
   EXPECT_EQ(checked->extent.bottom - checked->extent.top, 50U);
   EXPECT_EQ(checked->findings.voxels, 64U * 50 * kLayers);
+  EXPECT_EQ(checked->grey, (GreyShare{64U * 50 * kLayers, 0, 0}));
+  EXPECT_FALSE(checked->turned);
 }
 
 TEST_F(ArchiveAnswerCheck, RefusesEveryNumberThatDoesNotAddUp) {
@@ -272,14 +321,20 @@ TEST_F(ArchiveAnswerCheck, RefusesEveryNumberThatDoesNotAddUp) {
   refuses("findings", [](ScanAnswer& a) { --a.layers; });
   refuses("findings", [](ScanAnswer& a) { a.findings.voxels = ~std::uint64_t{0}; });
   refuses("findings", [](ScanAnswer& a) { a.findings.peel_layer = a.layers; });
+  refuses("grey", [](ScanAnswer& a) { a.grey[0] = ~std::uint64_t{0}; });
+  refuses("grey", [](ScanAnswer& a) { a.grey[1] = a.grey[0] + 1; });
+  refuses("grey", [](ScanAnswer& a) { a.grey[2] = 1; });
   refuses("extent", [](ScanAnswer& a) { a.extent[1] = 404; });
   refuses("extent", [](ScanAnswer& a) { a.extent[3] = 301; });
   refuses("extent", [](ScanAnswer& a) { a.extent[2] = a.extent[3]; });
-  for (const double exposure : {0.09, 1001.0, -1.0, kNan}) {
-    refuses("exposure", [&](ScanAnswer& a) { a.exposure_s = exposure; });
-    refuses("exposure", [&](ScanAnswer& a) { a.initial_exposure_s = exposure; });
+  for (const PrintField& field : kPrintFields) {
+    for (const double value : {field.low - 0.001, field.high * 1.01, -1.0, kNan}) {
+      refuses(field.name.data(), [&](ScanAnswer& a) {
+        a.values.has[index_of(field.key)] = 1;
+        a.values.value[index_of(field.key)] = value;
+      });
+    }
   }
-  refuses("faded layers", [](ScanAnswer& a) { a.faded_layers = 1001; });
 }
 
 TEST_F(ArchiveAnswerCheck, HandsOnTheErrorsOfArchivesOnly) {
@@ -299,11 +354,10 @@ TEST_F(ArchiveAnswerCheck, HandsOnTheErrorsOfArchivesOnly) {
 
 TEST_F(ArchiveAnswerCheck, NumbersThatAreNotGivenAreLeftToTheProfile) {
   ScanAnswer answer = good_;
-  answer.exposure_s = answer.initial_exposure_s = 0;
-  answer.fades = 0;
+  answer.values.has = {};
   const auto checked = check(answer);
   ASSERT_TRUE(checked) << checked.error().message();
-  EXPECT_FALSE(checked->settings.exposure_s || checked->settings.initial_exposure_s || checked->settings.faded_layers);
+  EXPECT_EQ(checked->settings.values, PrintValues());
 }
 
 }  // namespace

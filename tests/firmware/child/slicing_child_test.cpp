@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <linux/filter.h>
+#include <linux/landlock.h>
 #include <linux/seccomp.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -15,6 +16,7 @@
 #include <cerrno>
 #include <tuple>
 
+#include "firmware/child/child_layer_decoder.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "tests/firmware/child/child_fixture.hpp"
 #include "tests/slicer/reader/formats/e57_file.hpp"
@@ -306,7 +308,10 @@ void look_round(SharedMemory& memory, std::uint32_t /*threads*/) {
 
 TEST_F(SlicingChildTest, HasItsScanAndNoOtherFileDeviceOrCapability) {
   auto child = make(1, look_round);
-  if (!child.has_landlock()) GTEST_SKIP() << "this kernel has no Landlock";
+  // Asked of the kernel: a child that leaves Landlock out must not pass this over.
+  const long landlock = ::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+  EXPECT_EQ(child.has_landlock(), landlock >= 1);
+  if (landlock < 1) GTEST_SKIP() << "this kernel has no Landlock";
   const std::string path = folder_ / "any";
   write_text(path, "any");
   EXPECT_EQ(run(child, request_of(path, 1), path), 0);
@@ -328,6 +333,9 @@ void attempt(SharedMemory& memory, std::uint32_t threads) {
   if (what == "executable memory") static_cast<void>(::syscall(SYS_mprotect, memory.arena().data(), 4096, 7));
   if (what == "ioctl") static_cast<void>(::syscall(SYS_ioctl, 0, 0, 0));
   if (what == "priority") static_cast<void>(::syscall(SYS_setpriority, 0, 0, 0));
+  if (what == "write") {
+    memory.page().answer.code = static_cast<std::uint32_t>(::syscall(SYS_write, 0, "", 0) == -1 ? errno : 0);
+  }
   if (what == "memory") {
     memory.page().answer.code = static_cast<std::uint32_t>(::syscall(SYS_mremap, 0, 0, 0, 0) == -1 ? errno : 0);
   }
@@ -350,6 +358,8 @@ TEST_F(SlicingChildTest, IsEndedWhenItTriesAnythingButReading) {
     EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS) << what << ": " << status;
   }
   EXPECT_EQ(status_of("nothing"), 0);
+  EXPECT_EQ(status_of("write"), 0) << "abort() tries that";
+  EXPECT_EQ(child.answer().code, static_cast<std::uint32_t>(EPERM));
   EXPECT_EQ(status_of("memory"), 0) << "the C library handles that";
   EXPECT_EQ(child.answer().code, static_cast<std::uint32_t>(ENOMEM));
 }
@@ -401,6 +411,94 @@ TEST_F(SlicingChildTest, CanNotBeStartedWithoutItsTemplateAndEndsWithIt) {
     before = child.progress().beats;
     ::usleep(20'000);
   } while (child.progress().beats != before);
+}
+
+/// A template that is stopped takes no messages and reports nothing.
+class StoppedTemplate : public SlicingChildTest {
+ protected:
+  static std::chrono::milliseconds since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begin);
+  }
+  static SlicingChild make_counting() {
+    return make(1, [](SharedMemory& memory, std::uint32_t) {
+      for (;;) ++memory.page().progress.beats;
+    });
+  }
+};
+
+TEST_F(StoppedTemplate, IsKilledWithItsChildWhenItDoesNotReportTheEnd) {
+  auto child = make_counting();
+  const std::string path = folder_ / "any";
+  write_text(path, "any");
+  const Descriptor scan(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  ASSERT_TRUE(child.start(request_of(path, 1), scan.get()));
+  while (child.progress().beats == 0) {
+  }
+  const pid_t process = child.template_process();
+  ASSERT_EQ(::kill(process, SIGSTOP), 0);
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_FALSE(*child.wait(std::chrono::milliseconds(50))) << "nobody has killed the child";
+  child.kill(std::chrono::milliseconds(200));
+  child.kill();  // does not prolong it
+  EXPECT_FALSE(*child.wait(std::chrono::milliseconds(20)));
+  const auto ended = child.wait(std::chrono::seconds(60));
+  EXPECT_LT(since(began), std::chrono::seconds(5));
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().code(), ErrorCode::kDeviceTimeout);
+  EXPECT_TRUE(child.gone());
+  EXPECT_NE(::kill(process, 0), 0) << "it is reaped";
+  const std::uint32_t before = child.progress().beats;
+  ::usleep(50'000);
+  EXPECT_EQ(child.progress().beats, before) << "nothing writes to the memory any more";
+  EXPECT_FALSE(child.start(request_of(path, 1), scan.get()));
+  EXPECT_FALSE(child.wait(std::chrono::seconds(60)));
+}
+
+TEST_F(StoppedTemplate, TakesNobodyWhoSendsItMessages) {
+  auto child = make_counting();
+  const std::string path = folder_ / "any";
+  write_text(path, "any");
+  const Descriptor scan(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  ASSERT_EQ(::kill(child.template_process(), SIGSTOP), 0);
+  const auto began = std::chrono::steady_clock::now();
+  bool all = true;
+  for (int times = 0; times < 5000 && all; ++times) all = child.start(request_of(path, 1), scan.get()).has_value();
+  EXPECT_FALSE(all) << "the socket is full";
+  EXPECT_LT(since(began), std::chrono::seconds(5));
+}
+
+TEST_F(StoppedTemplate, IsEndedWithItsOwner) {
+  const auto began = std::chrono::steady_clock::now();
+  pid_t process = -1;
+  {
+    const auto child = make_counting();
+    process = child.template_process();
+    ASSERT_EQ(::kill(process, SIGSTOP), 0);
+  }
+  EXPECT_NE(::kill(process, 0), 0);
+  EXPECT_LT(since(began), std::chrono::seconds(6));
+}
+
+// Regression: the print waited for ever, and the daemon heard no request to end.
+TEST_F(StoppedTemplate, EndsTheDecodingOfALayer) {
+  auto child = make_counting();
+  const std::string path = folder_ / "any";
+  write_text(path, "any");
+  const Descriptor archive(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  using namespace std::chrono_literals;
+  ChildLayerDecoder decoder(child, small_printer(), {.layer = 200ms, .last = 100ms, .end = 300ms});
+  Arena arena(child.arena_block());
+  PrintGrid grid;
+  grid.columns = small_printer().columns;
+  grid.rows = small_printer().rows;
+  ASSERT_TRUE(decoder.prepare(grid, arena));
+  std::vector<std::uint64_t> words(BitImage::words_needed(grid.columns, grid.rows));
+  ASSERT_EQ(::kill(child.template_process(), SIGSTOP), 0);
+  const auto began = std::chrono::steady_clock::now();
+  const auto decoded = decoder.decode(archive.get(), "any", {}, {}, BitImage(words, grid.columns, grid.rows));
+  EXPECT_LT(since(began), 5s);
+  ASSERT_FALSE(decoded);
+  EXPECT_EQ(decoded.error().code(), ErrorCode::kDeviceTimeout) << "no fault of the archive";
 }
 
 }  // namespace

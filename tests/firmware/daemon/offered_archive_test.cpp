@@ -51,9 +51,10 @@ class OfferedArchiveTest : public ChildTest {
     EXPECT_EQ(run(child_, request, path), 0);
     sliced_ = check_archive_answer(child_.answer(), request, arena_).value();
     file_ = Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    machine_ = *read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value().machine;
-    profile_ = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
-    profile_.elefant_foot_compensation = 0;
+    const auto machine = *read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value().machine;
+    auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
+    profile.elefant_foot_compensation = 0;
+    plan_ = plan_print(profile, machine, 0.05, kLayers).value();
   }
 
   void write_archive(const std::string& path) const {
@@ -71,7 +72,7 @@ class OfferedArchiveTest : public ChildTest {
   }
 
   std::unique_ptr<OfferedArchiveMasks> offer() {
-    auto made = OfferedArchiveMasks::create(file_.get(), "part.sl1", sliced_, profile_, machine_, decoder_, arena_);
+    auto made = OfferedArchiveMasks::create(file_.get(), "part.sl1", sliced_, plan_, decoder_, arena_);
     EXPECT_TRUE(made) << made.error().message();
     return std::move(*made);
   }
@@ -100,8 +101,7 @@ class OfferedArchiveTest : public ChildTest {
   ChildLayerDecoder decoder_{child_, small_printer()};
   SlicedArchive sliced_;
   Descriptor file_;
-  MachineFile machine_;
-  PrintProfile profile_;
+  PrintPlan plan_;
   std::unique_ptr<LayerPicture> picture_ = std::make_unique<LayerPicture>();
 };
 

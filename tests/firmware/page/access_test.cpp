@@ -1,4 +1,4 @@
-#include "firmware/page/access.hpp"
+#include "firmware/page/clients/access.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware/pictures/png_writer.hpp"
@@ -34,7 +35,7 @@ std::vector<unsigned char> noise(LodePNGColorType colour, unsigned depth, std::u
 
 /// @param step  bytes handed out at once
 Status decode(std::span<const unsigned char> file, const MaskTurn& turn, BitImage out, std::size_t step = 1000,
-              std::uint64_t most = UINT64_MAX) {
+              std::uint64_t most = UINT64_MAX, GreyShare* grey = nullptr) {
   std::size_t at = 0;
   const auto bytes = [&](std::span<std::byte> to) -> Expected<std::size_t> {
     const std::size_t count = std::min({step, to.size(), file.size() - at});
@@ -42,7 +43,7 @@ Status decode(std::span<const unsigned char> file, const MaskTurn& turn, BitImag
     at += count;
     return count;
   };
-  return decode_turned_mask(bytes, most, turn, out);
+  return decode_turned_mask(bytes, most, turn, out, grey);
 }
 
 TEST(MaskDecoder, AgreesWithLodepngOnEveryKindOfPng) {
@@ -56,14 +57,21 @@ TEST(MaskDecoder, AgreesWithLodepngOnEveryKindOfPng) {
           const testing::NoisePng png(colour, depth, columns, rows, interlaced);
           Mask ours(columns, rows), theirs(columns, rows);
           theirs.image.clear();
+          GreyShare grey;
           for (std::uint32_t i = 0; i < columns * rows; ++i) {
             const unsigned char* const at = &png.rgba[std::size_t{4} * i];
-            if ((299 * at[0] + 587 * at[1] + 114 * at[2]) * at[3] >= 128'000 * 255)
-              theirs.image.set(i % columns, i / columns);
+            const int level = (299 * at[0] + 587 * at[1] + 114 * at[2]) * at[3];
+            const bool shows = level >= 128'000 * 255;
+            if (shows) theirs.image.set(i % columns, i / columns);
+            grey.lit += level > 0 ? 1 : 0;
+            grey.grey += level > 0 && level < 255'000 * 255 ? 1 : 0;
+            grey.lost += level > 0 && !shows ? 1 : 0;
           }
           for (const std::size_t step : {1U, 7U, 100'000U}) {
-            const auto done = decode(png.file, {}, ours.image, step);
+            GreyShare counted;
+            const auto done = decode(png.file, {}, ours.image, step, UINT64_MAX, &counted);
             ASSERT_TRUE(done) << done.error().message();
+            EXPECT_EQ(counted, grey) << "colour " << colour << ", depth " << depth << ", " << columns << " columns";
             ASSERT_EQ(ours.words, theirs.words) << "colour " << colour << ", depth " << depth << ", " << columns
                                                 << " columns" << (interlaced ? ", interlaced" : "");
           }
@@ -89,6 +97,44 @@ TEST(MaskDecoder, LaysEveryPixelWhereTheTurnSays) {
       }
     }
     EXPECT_EQ(turned.image.count(), plain.image.count()) << "no pixel outside the image";
+  }
+}
+
+TEST(MaskDecoder, CountsWhatIsGreyAndWhatOfItIsLost) {
+  // A row of 131 pixels: 40 black, 60 white, 20 of 127 and 11 of 128.
+  std::vector<unsigned char> pixels;
+  for (std::uint32_t row = 0; row < kRows; ++row) {
+    for (const auto& [count, level] : {std::pair{40, 0}, std::pair{60, 255}, std::pair{20, 127}, std::pair{11, 128}}) {
+      pixels.insert(pixels.end(), static_cast<std::size_t>(count), static_cast<unsigned char>(level));
+    }
+  }
+  std::vector<unsigned char> file;
+  ASSERT_EQ(lodepng::encode(file, pixels, kColumns, kRows, LCT_GREY, 8), 0U);
+  Mask mask(kColumns, kRows);
+  GreyShare grey;
+  for (const std::uint64_t layers : {1U, 2U}) {  // the layers of a print are summed
+    ASSERT_TRUE(decode(file, {}, mask.image, 1000, UINT64_MAX, &grey));
+    EXPECT_EQ(grey, (GreyShare{91 * kRows * layers, 31 * kRows * layers, 20 * kRows * layers}));
+    EXPECT_EQ(mask.image.count(), 71U * kRows);
+  }
+  EXPECT_DOUBLE_EQ(grey.share(), 31.0 / 91);
+  EXPECT_EQ(GreyShare{}.share(), 0);
+}
+
+TEST(MaskDecoder, TurnsByAQuarterWithoutMirroring) {
+  const auto file = noise(LCT_GREY, 8);
+  for (const unsigned bits : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U}) {
+    const MaskTurn turn{(bits & 1U) != 0, (bits & 2U) != 0, (bits & 4U) != 0};
+    const std::uint32_t columns = turn.swaps ? kRows : kColumns, rows = turn.swaps ? kColumns : kRows;
+    Mask before(columns, rows), after(rows, columns);
+    ASSERT_TRUE(decode(file, turn, before.image));
+    ASSERT_TRUE(decode(file, turn.quarter(), after.image));
+    for (std::uint32_t y = 0; y < rows; ++y) {
+      for (std::uint32_t x = 0; x < columns; ++x) {
+        ASSERT_EQ(before.image.at(x, y), after.image.at(rows - 1 - y, x)) << bits;
+      }
+    }
+    EXPECT_EQ(turn.quarter().quarter().quarter().quarter(), turn);
   }
 }
 

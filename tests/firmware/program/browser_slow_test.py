@@ -5,13 +5,16 @@ and a keyboard find; contrast; sizes from a phone's to a desktop's. PLUMBLINE_LO
 import os
 import re
 import shutil
+import socket
 import time
 import unittest
 from pathlib import Path
 
 from case import main, write_sphere
 from glances_test import LAYER, RED, archive_of, rgb_png
+from sliced_test import png, square
 from page_client import PagePrinter
+from state_client import same_age
 from web_driver import CHROMIUM, DRIVER, ENTER, ESCAPE, RIGHT, TAB, Browser
 
 SHOWN = ":not([hidden], [hidden] *, [inert] *, dialog:not([open]) *)"
@@ -42,6 +45,18 @@ for (const node of document.querySelectorAll('body *')) {
 }
 return [seen, bad];
 """
+
+
+# How much of an image is white.
+WHITE = """const white = (image) => {
+  const canvas = Object.assign(document.createElement('canvas'), {width: image.naturalWidth, height: image.naturalHeight});
+  const to = canvas.getContext('2d');
+  to.drawImage(image, 0, 0);
+  const data = to.getImageData(0, 0, canvas.width, canvas.height).data;
+  let lit = 0;
+  for (let i = 0; i < data.length; i += 4) lit += data[i];
+  return lit;
+};"""
 
 
 @unittest.skipUnless(CHROMIUM and DRIVER, "no chromium and chromium-driver")
@@ -76,7 +91,8 @@ class BrowserTest(PagePrinter):
         self.browser.until(f"return document.body.dataset.state === '{state}' && ({more})", state)
 
     def do(self, command):
-        self.browser.until(f"return document.querySelector('[data-do={command}]')", command)
+        # In the first second after a question its buttons take no click.
+        self.browser.until(f"return document.querySelector('[data-do={command}]:not([aria-disabled=true])')", command)
         self.browser.click(f"[data-do={command}]")
 
     def tab_to(self, selector):
@@ -189,6 +205,7 @@ class BrowserTest(PagePrinter):
             self.assertTrue(all(choice.endswith("°") for choice in choices), choices)
             self.assertLessEqual(len(choices), most, choices)
         self.look("ways")
+        browser.until("return document.querySelector('[data-do=start]:not([aria-disabled=true])')", "the button")
         self.tab_to("[data-do=start]")
         browser.press(ENTER)
         # What would be printed, layer by layer.
@@ -304,6 +321,120 @@ class BrowserTest(PagePrinter):
         self.until_state("idle", "document.querySelector('#stored').hidden && !document.querySelector('[data-do=offer]')")
         self.assertEqual(list((self.folder / "uploads").iterdir()), [])
 
+    def test_browsers_wait_for_their_code_and_are_forgotten(self):
+        self.start(plate=False, printer=self.page_board("network"))
+        self.start_page("network")
+        self.browser = browser = Browser(self, self.dir)
+        browser.open(f"http://127.0.0.1:{self.port}/")
+        self.until_state("plate in use")
+        self.assertTrue(browser.run("return document.querySelector('#browsers').hidden"))
+        # Another one has a code, and then wants it no more.
+        self.post("/pair", {"ask": "phone"}, come_from="127.0.0.2")
+        self.do("plate-empty")
+        browser.until("return document.querySelector('#pair-error').textContent.startsWith('another browser is being paired')", "the wait")
+        self.look("pair-wait", "/pair - .* status of 429")
+        self.post("/pair", {"ask": "phone", "stop": True}, come_from="127.0.0.2")
+        browser.until("return document.querySelector('#pair-error').hidden", "its turn")
+        browser.messages()
+        self.pair()
+        self.until_state("idle", "!document.querySelector('#browsers').hidden")
+        listed = browser.run("return document.querySelector('#browsers li').innerText")
+        self.assertRegex(listed, r"^Chrome, Linux 1 \(this browser\)\npaired \d\d/\d\d/\d{4}, ")
+        self.look("browsers")
+        browser.click("#browsers button")
+        browser.until("return document.querySelector('#ask').open", "the question")
+        self.look("forget")
+        browser.click("#ask button.danger")
+        browser.until("return document.querySelector('#browsers').hidden", "forgotten")
+        token = browser.run("return localStorage.getItem('token')")
+        self.post("/command", {"do": "offer"}, status=401, headers={"Plumbline-Token": token})
+
+    def click_twice(self, command, gap):
+        """One finger, in one place, as fast as people are."""
+        box = self.browser.run(f"const b = document.querySelector('[data-do={command}]').getBoundingClientRect(); return [b.x, b.y, b.width, b.height]")
+        at = {"x": int(box[0] + min(box[2], 60) / 2), "y": int(box[1] + box[3] / 2)}
+        click = [{"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}]
+        actions = [{"type": "pointerMove", **at}, *click, {"type": "pause", "duration": gap}, *click]
+        self.browser.call("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": actions}]})
+
+    def test_the_second_of_two_clicks_answers_no_other_question(self):
+        self.start(speedup=200, printer=self.page_board("local"))
+        self.start_page()
+        self.browser = browser = Browser(self, self.dir)
+        browser.open(f"http://127.0.0.1:{self.port}/")
+        self.put_stick({"a.sl1": archive_of(self.dir / "a.zip", {"part1.png": square(100), "part2.png": square(100)})})
+        for gap in (200, 400, 800):
+            self.until_state("offered")
+            browser.until("return document.querySelector('[data-do=start]:not([aria-disabled=true])')", "the button")
+            self.click_twice("start", gap)
+            self.until_state("offered", "!document.querySelector('#layers').hidden")
+            time.sleep(1)
+            self.assertEqual(browser.run("return document.body.dataset.state"), "offered", "nobody has confirmed the preview")
+            self.do("start")
+            self.until_state("plate in use")
+            browser.until("return document.querySelector('[data-do=plate-empty]:not([aria-disabled=true])')", "the button")
+            self.click_twice("plate-empty", gap)
+            self.until_state("offered")
+            time.sleep(1)
+            self.assertEqual(browser.run("return [document.body.dataset.state, document.querySelector('#layers').hidden]"), ["offered", True],
+                             "nobody has started it again")
+
+    def test_a_question_that_was_left_open_and_what_another_job_showed_are_gone(self):
+        layer = {n: png(1440, 2560, b"".join(b"\0" + bytes([255 * (400 <= x < 400 + n and 400 <= y < 400 + n) for x in range(1440)]) for y in range(2560)))
+                 for n in (200, 500)}
+        daemon, user = self.start(speedup=20, printer=self.page_board("local"))
+        self.start_page()
+        self.browser = browser = Browser(self, self.dir)
+        browser.open(f"http://127.0.0.1:{self.port}/")
+        self.put_stick({f"{name}.sl1": archive_of(self.dir / "a.zip", {f"p{k:02}.png": layer[n] for k in range(20)}) for name, n in (("A", 200), ("B", 500))})
+
+        def slice_scan(number):
+            offered = user.until(lambda s: s["state"] == "offered" and not s["sliced"] and s["commands"], "offered")
+            if offered["job"]["number"] != number:  # else the question would be another one than that of the state at hand
+                user.do("choose", scan=number)
+            asked = user.until(lambda s: s["job"]["number"] == number, f"scan {number}")
+            user.do("start", **{"for": asked["asks"]})
+            return user.until(lambda s: s["state"] == "offered" and s["masks"] and s["commands"], "sliced")
+
+        shown = f"const m = document.querySelector('#mask'); {WHITE} return m.complete && m.naturalWidth > 0 && m.dataset.layer && white(m)"
+        slice_scan(1)
+        a = browser.until(shown, "A's mask")
+        # Slider and picture numbers are the same for B after a restart.
+        daemon.kill()
+        daemon.wait()
+        daemon, user = self.start(speedup=20, plate=False, printer=self.page_board("local"))
+        sliced = slice_scan(2)
+        browser.until(f"return document.querySelector('#picture-preview').src.includes('{sliced['job']['id']}')", "B's preview")
+        b = browser.until(shown, "B's mask")
+        self.assertGreater(b, 3 * a, "a square of 200 pixels is not shown for one of 500")
+        # "Cancel the print?", left open until the print is over.
+        user.do("start", **{"for": sliced["asks"]})
+        self.until_state("printing")
+        self.do("cancel")
+        browser.until("return document.querySelector('#ask').open", "the question")
+        user.do("cancel")
+        browser.until("return !document.querySelector('#ask').open", "it closes by itself")
+        self.assertIn("is over", browser.run("return document.querySelector('#notice').textContent"))
+
+    def test_the_eleventh_page_says_that_it_looks_now_and_then(self):
+        self.start(printer=self.page_board("local"))
+        self.start_page()
+        streams = [socket.create_connection(("127.0.0.1", self.port), 30) for _ in range(10)]
+        for stream in streams:
+            self.addCleanup(stream.close)
+            stream.sendall(f"GET /events HTTP/1.1\r\nHost: localhost:{self.port}\r\n\r\n".encode())
+            self.assertIn(b" 200 ", stream.recv(100))
+        self.browser = browser = Browser(self, self.dir)
+        browser.open(f"http://127.0.0.1:{self.port}/")
+        browser.until("return !document.querySelector('#crowded').hidden && document.querySelector('#crowded').textContent.includes('two seconds')", "the reason")
+        self.until_state("idle", "document.querySelector('#lost').hidden")
+        self.put_stick({"hello.ply": b"hello"})
+        self.until_state("offered")
+        self.look("crowded", "503")
+        for stream in streams:
+            stream.close()
+        browser.until("return document.querySelector('#crowded').hidden", "there is room again")
+
     def test_an_upload_is_stopped(self):
         self.start(printer=self.page_board("local"))
         self.start_page()
@@ -351,6 +482,30 @@ class BrowserTest(PagePrinter):
         self.until_state("fault")
         browser.until("return document.querySelector('#fault-title').textContent === 'PL-102: Kein Scan'", "a fault in German")
         self.look("fehler")
+
+    def test_folders_are_opened_and_what_is_not_listed_is_said_with_its_number(self):
+        new = self.dir / "new"
+        for path in ["bust.stl", *(f"B\u00fcsten/teil{i:02}.stl" for i in range(70))]:
+            (new / path).parent.mkdir(parents=True, exist_ok=True)
+            (new / path).write_bytes(b"solid")
+        same_age(new)
+        self.start(printer=self.page_board("local"))
+        self.start_page()
+        self.browser = browser = Browser(self, self.dir, language="de")
+        browser.open(f"http://127.0.0.1:{self.port}/")
+        new.rename(self.stick)
+        self.until_state("offered", "document.querySelectorAll('#scans li').length === 16")
+        folders = "return [...document.querySelectorAll('#folders button')].map((b) => [...b.children].map((c) => c.textContent).join(' '))"
+        self.assertEqual(browser.run(folders), ["B\u00fcsten/ 70 darin"])
+        self.assertTrue(browser.run("return document.querySelector('#left-out').hidden"))
+        browser.click("#folders button")
+        self.until_state("offered", "document.querySelectorAll('#scans li').length === 64")
+        self.assertEqual(browser.run(folders), ["Eine Ebene h\u00f6her "])
+        self.assertEqual(browser.run("return ['#stick h2', '#left-out', '#scans span'].map((s) => document.querySelector(s).textContent)"),
+                         ["Auf dem Stick: B\u00fcsten", "Nicht gezeigt \u00b7 6 Dateien", "teil00.stl"])
+        self.look("ordner")
+        browser.click("#folders button")
+        self.until_state("offered", "document.querySelectorAll('#scans li').length === 16")
 
 
 if __name__ == "__main__":

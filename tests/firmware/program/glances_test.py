@@ -121,7 +121,7 @@ class Glances(StatePrinter):
         user.do("choose", scan=2)
         of_archive = user.until(lambda s: s["job"] and s["job"]["number"] == 2, "the archive")
         self.assertEqual(of_archive["job"]["scale"], 1)
-        user.refused("is sliced already, so only its profile can be set", "set", key="scale", value=2)
+        user.refused("is sliced already, so only its profile, exposures, lifts and waits can be set", "set", key="scale", value=2)
         user.do("choose", scan=1)
         user.until(lambda s: s["job"]["number"] == 1 and s["job"]["scale"] == 1.5, "the scan and its size")
 

@@ -24,7 +24,7 @@ class Inspect(Program):
         self.assertLess(told["roughness_mm"], 0.02)
         self.assertEqual(told["units"], {"used": "mm", "guess": "mm"})
         self.assertTrue(told["fits"])
-        self.assertAlmostEqual(told["largest_scale"], 29.8 / 24, delta=0.01)
+        self.assertAlmostEqual(told["largest_scale"], 29.0 / 24, delta=0.01)
         self.assertFalse(self.out.exists())
 
     def test_measures_noise(self):

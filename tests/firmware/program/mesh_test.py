@@ -54,6 +54,18 @@ class Meshes(Program):
             if stage["name"] in ("read", "ray grid", "rays", "r-rep"):
                 self.assertLessEqual(stage["peak_bytes"], stage["planned_bytes"], stage["name"])
 
+    def test_a_size_that_is_not_delivered_is_told_with_its_reason(self):
+        self.assertNotIn("that matters", self.slice_mesh(self.mesh, "--height", "12mm", "--supports", "none", "--no-preview").stderr)
+        self.assertAlmostEqual(self.manifest()["size_delivered_mm"][2], 12, places=5)
+        # The tip of a spire is thinner than a pixel: along its last 0.4 mm or so no pixel's middle is inside.
+        spire = self.dir / "spire.stl"
+        write_stl(spire, [(0, 0, 0), (3, 0, 0), (3, 3, 0), (0, 3, 0), (1.5, 1.5, 12)], [(0, 2, 1), (0, 3, 2), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)])
+        done = self.slice_mesh(spire, "--height", "12mm", "--supports", "none", "--no-preview")
+        delivered = self.manifest()["size_delivered_mm"][2]
+        self.assertTrue(11 < delivered < 11.9, delivered)
+        self.assertIn(f"the object is {delivered:.2f} mm high, not 12: what reaches beyond that is too thin to print. If that matters, ask for 12.", done.stderr)
+        self.assertNotIn("not 12", self.slice_mesh(spire, "--supports", "none", "--no-preview").stderr)
+
     def test_what_lies_at_one_place_is_refused(self):
         corners, faces = box((5, 6, 7), (5, 6, 7))
         point = self.dir / "point.stl"
@@ -113,9 +125,9 @@ class Meshes(Program):
         obj = self.dir / "box.obj"
         write_obj(obj, *box((0, 0, 0), (20, 10, 5)))
         self.assertIsNotNone(json.loads(self.run_it("inspect", obj, "--json").stdout)["mesh"])
-        told = json.loads(self.run_it("inspect", obj, "--as", "points", "--json").stdout)
-        self.assertIsNone(told["mesh"])
-        self.assertEqual(told["scan"]["points"], 8)
+        # As points, its corners are no surface.
+        refused = self.run_it("inspect", obj, "--as", "points", status=1)
+        self.assertIn("box.obj: no surface found in 8 points", refused.stderr)
         write_sphere(self.scan, points=2000)
         refused = self.run_it("inspect", self.scan, "--as", "mesh", status=1)
         self.assertIn("the file has points but no faces", refused.stderr)

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import threading
+import time
 
 from case import PROGRAMS, SIM2K, SOURCE_DIR
 from state_client import StatePrinter
@@ -36,6 +37,13 @@ class PagePrinter(StatePrinter):
         self.reader = threading.Thread(target=lambda: self.log.extend(iter(self.page.stderr.readline, "")))
         self.reader.start()
 
+    def logged(self, words):
+        """Waits until the page has logged the words."""
+        end = time.monotonic() + 30
+        while not any(words in line for line in self.log):
+            self.assertLess(time.monotonic(), end, self.log)
+            time.sleep(0.02)
+
     def end_page(self):
         self.page.kill()
         self.page.wait()
@@ -43,11 +51,12 @@ class PagePrinter(StatePrinter):
         self.page.stdout.close()
         self.page.stderr.close()
 
-    def ask(self, method, path, body=None, headers=None, host=None):
+    def ask(self, method, path, body=None, headers=None, host=None, come_from="127.0.0.1"):
         """@param body  bytes, or what becomes JSON
+        @param come_from  the client's address: all of 127.0.0.0/8 are this machine's
         @returns (status, headers, bytes)
         """
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30, source_address=(come_from, 0))
         host = host or f"127.0.0.1:{self.port}"
         sent = {"Host": host, **(headers or {})}
         if method == "POST":
@@ -65,6 +74,9 @@ class PagePrinter(StatePrinter):
 
     def post(self, path, body, status=200, **options):
         got, _, data = self.ask("POST", path, body, **options)
+        while status == 200 and b'"answer_soon"' in data:  # what it asks has just come
+            time.sleep(0.2)
+            got, _, data = self.ask("POST", path, body, **options)
         self.assertEqual(got, status, (path, body, data[:300]))
         return json.loads(data)
 

@@ -32,7 +32,8 @@ class Placement(Program):
 
     def test_fit_prints_as_large_as_the_printer_can(self):
         self.slice_it("--fit", "--no-preview")
-        self.assertAlmostEqual(max(self.manifest()["size_mm"][:2]), 29.8, delta=0.1)
+        self.assertAlmostEqual(max(self.manifest()["size_mm"][:2]), 29.0, delta=0.1)
+        self.assertEqual(self.manifest()["issues"]["kinds"].get("touching_bound"), None)
 
     def test_error_about_a_large_object_gives_the_scale_that_fits(self):
         done = self.slice_it("--scale", 2, status=1)

@@ -57,6 +57,26 @@ class Print(Program):
         subprocess.run(["mount", "-o", "remount,size=4m", disk], check=True)
         self.run_it(*same, "--keep-part", disk / "part")
 
+    def test_layers_that_the_stages_steps_cannot_make_are_refused_before_any_light(self):
+        write_sphere(self.scan)
+        board = self.dir / "sim2k.toml"
+        board.write_text(SIM2K.read_text().replace("microsteps = 16 ", "microsteps = 1 "))  # steps of 20 um
+        (self.dir / "profiles").mkdir()
+        shutil.copy(SOURCE_DIR / "board" / "profiles" / "standard.toml", self.dir / "profiles")
+        same = ("--printer", board, "--scale", 0.1, "--supports", "none")
+        fine, report = self.dir / "fine.sl1", self.dir / "report.json"
+        self.run_it("slice", self.scan, "-o", fine, "--no-preview", "--printer", SIM2K, *same[2:], "--layer-height", 0.01)
+        for what, asked in ((self.scan, (*same, "--layer-height", 0.01)), (fine, same[:2])):
+            refused = self.run_it("print", what, *asked, "--report", report, status=1)
+            self.assertIn("layer 0 would be 0.0200 mm high instead of 0.0100 mm", refused.stderr)
+            self.assertIn("steps of 0.0200 mm; its dose would be off by 100 %", refused.stderr)
+            self.assertFalse(report.exists(), "nothing was printed")
+
+        # Off by a tenth of a layer or less: told.
+        self.run_it("print", self.scan, *same, "--layer-height", 0.11, "--report", report)
+        light = next(check for check in json.loads(report.read_text())["checks"] if check["check"] == "light")
+        self.assertEqual(light["detail"], "a layer of 0.120 mm cures 0.121 mm deep; on the stage's steps the layers are 0.1000 to 0.1200 mm high")
+
     def test_what_nothing_holds_is_lost_and_named_with_layer_place_and_volume(self):
         # A ball beside another whose lower pole is 6 mm higher: it begins in the air.
         write_sphere(self.scan, radius=6)
@@ -262,7 +282,8 @@ class Daemon(Program):
         # A simulated printer's plate is a new one each time, but the record is kept for the daemon.
         (self.state / "plate-is-empty").touch()
         self.run_it(*real[:2], "--printer", SIM2K, *real[4:], "--scale", 0.05)
-        self.assertEqual(list(self.state.iterdir()), [])
+        self.assertEqual([path.name for path in self.state.iterdir()], ["machine"])
+        self.assertIn("add --plate-empty", self.run_it(*real, status=1).stderr, "there is a part on it now")
         self.run_it(*real[:2], "--printer", SIM2K, *real[4:], "--scale", 0.05)
 
     def test_prints_from_a_stick_what_the_same_options_slice(self):

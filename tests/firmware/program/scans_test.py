@@ -2,10 +2,11 @@
 """Several files that are one scan: on a stick, because job.toml says so or somebody chooses them, and for the command line."""
 
 import json
+import os
 import shutil
 
 from case import SIM2K, main, split, write_sphere
-from state_client import StatePrinter
+from state_client import StatePrinter, same_age
 
 
 class Scans(StatePrinter):
@@ -40,6 +41,7 @@ class Scans(StatePrinter):
             (new / name / file).write_bytes(what)
         if job:
             (new / "job.toml").write_text(job)
+        same_age(new)
         new.rename(self.stick)
 
     def test_job_file_lists_files_and_a_print_goes_on_after_a_power_cut(self):
@@ -96,7 +98,10 @@ class Scans(StatePrinter):
 
     def pull(self, user):
         shutil.rmtree(self.stick)
-        user.until(lambda s: s["state"] == "idle" and not s["stick"]["present"], "an empty port")
+        pulled = user.until(lambda s: s["state"] in ("idle", "fault") and not s["stick"]["present"], "an empty port")
+        if pulled["state"] == "fault":
+            user.do("seen", **{"for": pulled["asks"]})
+        user.until(lambda s: s["state"] == "idle" and not s["stick"]["present"], "nothing but an empty port")
 
     def test_names_that_say_so_are_offered_as_one_and_apart(self):
         hashes = self.slice_masks(self.back, self.front)
@@ -106,6 +111,7 @@ class Scans(StatePrinter):
             (self.dir / "new" / folder).mkdir(exist_ok=True)
             for i, name in enumerate(("back.ply", "front.ply") if folder != "others" else ("cat.ply", "dog.ply")):
                 (self.dir / "new" / folder / name).write_bytes(self.halves["front.ply" if i else "back.ply"])
+        same_age(self.dir / "new")
         (self.dir / "new").rename(self.stick)
         offered = user.state("offered", "start")
         self.assertEqual([(s["number"], s["name"], s["files"]) for s in offered["stick"]["scans"]],
@@ -141,15 +147,99 @@ class Scans(StatePrinter):
                      "a/b/c/deep.ply", "own/job.toml", "own/scan.ply"):
             (new / path).parent.mkdir(parents=True, exist_ok=True)
             (new / path).write_bytes(scan)
+        same_age(new)
+        os.utime(new / "bust.stl")
         _, user = self.start(speedup=1e4)
         new.rename(self.stick)
         offered = user.state("offered", "start")
-        self.assertEqual([s["name"] for s in offered["stick"]["scans"]], ["bust.stl", "B\u00fcste (Kopie)/Scan final.PLY", "prints/a/part.sl1"])
+        self.assertEqual([s["name"] for s in offered["stick"]["scans"]],
+                         ["bust.stl", "B\u00fcste (Kopie)/Scan final.PLY", "a/b/c/deep.ply", "prints/a/part.sl1"])
         self.assertEqual(offered["job"]["files"], ["bust.stl"])
         user.do("choose", scan=2)
         user.until(lambda s: s["job"]["number"] == 2, "the folder's")
         user.do("start")
         user.until(lambda s: s["state"] == "printing", "the folder's scan being printed")
+
+    def test_folders_are_opened_and_the_newest_is_offered_first(self):
+        scan, new = self.halves["front.ply"], self.dir / "new"
+        for i in range(70):
+            path = new / f"prints/2024/part{i:02}.ply"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(scan)
+            os.utime(path, (1.7e9 - i, 1.7e9 - i))
+        (new / "a/b/c/d/e/f/g/h/i").mkdir(parents=True)
+        (new / "a/top.ply").write_bytes(scan)
+        _, user = self.start(speedup=1e4)
+        user.refused("It takes no command now", "open", folder=1)
+        new.rename(self.stick)
+        offered = user.state("offered", "open")
+        stick = offered["stick"]
+        self.assertEqual((stick["folder"], [s["name"] for s in stick["scans"]][:2], len(stick["scans"])), (None, ["a/top.ply", "prints/2024/part00.ply"], 16))
+        self.assertEqual(stick["folders"], [{"number": 1, "name": "a", "entries": 1}, {"number": 2, "name": "prints", "entries": 70}])
+        self.assertEqual((stick["left_out"], stick["folders_left_out"], stick["not_listed"]), (0, 1, "not listed: 1 folder"))
+        self.assertEqual(stick["not_listed_told"], {"code": "stick_not_listed", "values": {"folders": 1}})
+        user.refused("there is no folder 3 here: there are 2", "open", folder=3)
+        user.refused("there is no folder 0 here", "open", folder=0)
+        self.run_it("ctl", "open", 2, "--socket", self.path)
+        stick = user.until(lambda s: s["stick"]["folder"] == "prints" and "open" in s["commands"], "the folder")["stick"]
+        self.assertEqual([folder["name"] for folder in stick["folders"]], ["2024"])
+        user.do("open", folder=1)
+        opened = user.until(lambda s: s["stick"]["folder"] == "prints/2024" and "open" in s["commands"], "the folder in it")
+        self.assertEqual([s["name"] for s in opened["stick"]["scans"]], [f"part{i:02}.ply" for i in range(64)])
+        self.assertEqual((opened["stick"]["left_out"], opened["job"]["files"]), (6, ["prints/2024/part00.ply"]))
+        self.assertEqual(opened["job"]["number"], offered["job"]["number"])
+        self.assertNotEqual(opened["job"]["id"], offered["job"]["id"], "the first one is another scan here")
+        shown = self.run_it("status", "--socket", self.path).stdout
+        self.assertRegex(shown, r"(?m)^folders +0  back up: this is prints/2024$")
+        self.assertRegex(shown, r"(?m)^ +not listed: 6 files$")
+        # After a print the folder is still open, and the same scan is offered.
+        for key, value in (("supports", "none"), ("layer_height", 0.1)):
+            user.do("set", key=key, value=value)
+        user.do("choose", scan=3)
+        user.do("start")
+        self.printed(user)
+        user.do("plate-empty")
+        again = user.state("offered", "open")
+        self.assertEqual((again["stick"]["folder"], again["job"]["number"]), ("prints/2024", 3))
+        user.do("open", folder=0)
+        user.until(lambda s: s["stick"]["folder"] == "prints", "the folder above")
+        # Another stick begins at its top.
+        self.pull(user)
+        self.put_folder("prints", {"part00.ply": scan})
+        self.assertIsNone(user.state("offered", "open")["stick"]["folder"])
+
+    def test_all_partitions_are_listed(self):
+        """The first one is the EFI partition that a Mac or a GPT of Windows makes."""
+        efi, data = self.dir / "new", self.dir / "stick.2"
+        for file, what in ((efi / "EFI/BOOT/bootx64.efi", b"x"), (data / "back.ply", self.halves["back.ply"]), (data / "job.toml", b"")):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(what)
+        (efi / "back.ply").write_bytes(b"another one")
+        (data / "job.toml").write_text(self.settings % '"back.ply"')
+        hashes = self.slice_masks(self.back)
+        _, user = self.start(speedup=1e4)
+        efi.rename(self.stick)
+        self.assertEqual(user.state("offered", "start")["job"]["files"], ["2:back.ply"], "its own partition's")
+        user.do("start")
+        self.assertEqual(self.printed(user)[1], hashes)
+        user.do("plate-empty")
+        user.state("offered", "start")
+        self.pull(user)
+        (data / "job.toml").unlink()
+        efi.mkdir()
+        (efi / "front.ply").write_bytes(self.halves["front.ply"])
+        for path in (efi / "front.ply", data / "back.ply"):
+            os.utime(path, (1.7e9, 1.7e9))
+        efi.rename(self.stick)
+        offered = user.state("offered", "start")
+        self.assertEqual([(s["name"], s["files"]) for s in offered["stick"]["scans"]], [("back.ply", 1), ("front.ply", 1), ("back.ply", 2)])
+        self.assertEqual(offered["job"]["files"], ["back.ply"])
+        user.do("cancel")
+        user.state("idle", "offer")
+        for folder, name in ((self.stick, "Job.toml"), (data, "job.toml")):
+            (folder / name).write_text(self.settings % '"back.ply"')
+        user.do("offer")
+        self.assertIn("the stick has two jobs", user.state("fault", "seen")["fault"]["message"])
 
     def test_only_scan_may_lie_in_a_folder(self):
         _, user = self.start(speedup=1e4)
@@ -177,7 +267,6 @@ class Scans(StatePrinter):
         fault = user.state("fault", "seen")["fault"]
         self.assertEqual(fault["message"], "bust/scans/1.fls is a scan that is not read (FARO)")
         self.assertEqual(fault["told"], {"code": "foreign_scan", "values": {}, "name": "bust/scans/1.fls"})
-        user.do("seen")
         self.pull(user)
         self.put_folder("bust/Scan001.fls", {"Main": b"a scan of FARO's is a folder"})
         self.assertEqual(user.state("fault", "seen")["fault"]["message"], "bust/Scan001.fls is a scan that is not read (FARO)")

@@ -9,7 +9,7 @@ import subprocess
 import time
 from pathlib import Path
 
-from case import PLUMBLINED, Program, confirm_plate, main, on_stick_printer, write_sphere
+from case import PLUMBLINE, PLUMBLINED, Program, confirm_plate, main, on_stick_printer, write_sphere
 
 WATCHDOG_S = 0.04
 # Longer phases must contain a sign of life. Shorter ones need not, since the daemon may have had no processor.
@@ -103,7 +103,7 @@ class Service(Program):
 
     def test_a_hanging_loop_shows_no_life(self):
         # Writing a report that nobody reads blocks the daemon's main thread, while others run on.
-        report = self.state / "report.json"
+        report = self.state / "report.json.new"
         os.mkfifo(report)
         self.start(speedup=1e6)
         self.put_stick(5_000)
@@ -142,6 +142,38 @@ class Service(Program):
         self.until("WATCHDOG=1")
         self.put_stick(5_000)
         self.until("STATUS=finished")
+
+    def test_a_template_that_is_stopped_in_an_archives_print_keeps_nobody_waiting(self):
+        scan, part = self.dir / "ball.ply", self.dir / "part.sl1"
+        write_sphere(scan, points=5_000, radius=3)
+        self.run_it("slice", scan, "-o", part, "--no-preview", "--printer", self.printer, "--layer-height", 0.1, "--supports", "none")
+        daemon = self.start()
+        self.until("READY=1")
+        self.stick.mkdir()
+        part.rename(self.stick / "part.sl1")
+        self.until("layer 3 of")
+        (template,) = (int(pid) for pid in Path(f"/proc/{daemon.pid}/task/{daemon.pid}/children").read_text().split()
+                       if Path(f"/proc/{pid}/comm").read_text() == "plumbline-scans\n")
+        os.kill(template, signal.SIGSTOP)
+        while not self.is_quiet(10 * WATCHDOG_S):  # until it waits for a layer
+            self.assertIsNone(daemon.poll())
+        began = time.monotonic()
+        daemon.send_signal(signal.SIGTERM)
+        # Regression: it waited for ever for the end of the template's child.
+        self.until("STOPPING=1")
+        self.assertIn(daemon.wait(60), (0, 1))
+        self.assertLess(time.monotonic() - began, 30)
+        self.assertFalse(Path(f"/proc/{template}").exists())
+        # No layer was lost: the next daemon offers to resume, once somebody has seen the fault.
+        self.start()
+        self.until("STATUS=PL-902")
+        # There may be two: the print's, and that of the process which reads scans.
+        end = time.monotonic() + 60
+        while "interrupted" not in self.run_it("status", "--socket", self.state / "state").stdout:
+            self.assertLess(time.monotonic(), end)
+            subprocess.run([PLUMBLINE, "ctl", "seen", "--socket", self.state / "state"], capture_output=True, check=False)
+            time.sleep(0.5)
+        self.until("STATUS=an interrupted print can go on")
 
     def test_killed_in_an_exposure_it_offers_to_resume(self):
         self.put_stick(5_000)

@@ -45,6 +45,8 @@ class Setup(Program):
     def test_a_file_of_answers_makes_a_board_file(self):
         done = self.setup_with(ANSWERS)
         self.assertIn("Wrote", done.stderr)
+        self.assertNotIn("\\x0a", done.stderr)
+        self.assertRegex(done.stderr, r"(?m)^Stand before the printer, ")
         text = self.file.read_text()
         for line in ('name = "mine" ', "travel_mm = 140 ", 'mirror = "x" ', "microsteps = 16 ", 'chip = "1c20800.pinctrl" '):
             self.assertIn("\n" + line, text)

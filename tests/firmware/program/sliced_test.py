@@ -93,7 +93,7 @@ class Sliced(Program):
         return path
 
     def print_it(self, part, *arguments, status=0):
-        return self.run_it("print", part, "--printer", SIM2K, "--report", self.report, *arguments, status=status)
+        return self.run_it("print", part, "--printer", SIM2K, "--accept", "--report", self.report, *arguments, status=status)
 
 
 class Printed(Sliced):
@@ -121,9 +121,10 @@ class Printed(Sliced):
         asked = [line["asked_s"] for line in exposures(self.report)]
         self.assertEqual(set(asked), {2.25, 6})
         self.assertEqual(json.loads(self.report.read_text())["layer_height_mm"], 0.05)
-        part = self.pack({"1.png": square()}, ini.replace("2.25", "400"), "other.sl1")
-        done = self.print_it(part, status=1)
-        self.assertIn("other.sl1: its exposure of a layer is 400 s, this printer's lamp may be lit for 60 s at most", done.stderr)
+        for seconds, words in ((61, "other.sl1: its exposure of a layer is 61 s, this printer's lamp may be lit for 60 s at most"),
+                               (121, "other.sl1: prusaslicer.ini: exposure_time is '121', allowed is 0.1 to 120 s. Export it again")):
+            part = self.pack({"1.png": square()}, ini.replace("2.25", str(seconds)), "other.sl1")
+            self.assertIn(words, self.print_it(part, status=1).stderr)
 
     def test_first_layer_is_as_high_as_the_archive_says(self):
         layers = {f"a{k:03}.png": square() for k in range(4)}
@@ -153,6 +154,38 @@ class Printed(Sliced):
                    for body in (layer, grey)]
         self.assertEqual(volumes[0], volumes[1])
 
+    def test_grey_is_counted(self):
+        row = b"\0" + bytes(500) + b"\x7f" * 100 + b"\xff" * 280 + b"\x80" * 20 + bytes(540)
+        part = self.pack({f"{k}.png": png(1440, 2560, row * 2560) for k in (1, 2)})
+        told = json.loads(self.run_it("check", part, "--printer", SIM2K, "--json").stdout)["grey"]
+        self.assertEqual(told, {"lit_pixels": 400 * 5120, "grey_pixels": 120 * 5120, "lost_pixels": 100 * 5120})
+        text = self.run_it("check", part, "--printer", SIM2K).stdout
+        self.assertIn("30.0 % of the area is neither black nor white: 25.0 % becomes black, 5.0 % white", text)
+
+    def test_masks_across_the_panel_are_turned_and_not_mirrored(self):
+        """An L on a panel of 2560 x 1440, as the printer's own and as PrusaSlicer's SL1 has it."""
+        def ell(columns, rows, turn):
+            lines = [bytearray(columns + 1) for _ in range(rows)]
+            for x, y in ((x, y) for x in range(400) for y in range(200) if x < 100 or y < 60):
+                column, row = turn(600 + x, 500 + y)
+                lines[row][column + 1] = 255
+            return png(columns, rows, b"".join(lines))
+
+        upright = self.pack({"1.png": ell(1440, 2560, lambda x, y: (x, y))}, name="upright.zip")
+        # The plate's x towards y: what lies at (x, y) of 2560 x 1440 comes to (1439 - y, x).
+        across = self.pack({"1.png": ell(2560, 1440, lambda x, y: (y, 1439 - x))}, name="across.zip")
+        ini = "display_orientation = portrait\ndisplay_mirror_x = 1\ndisplay_width = 120.96\ndisplay_height = 68.04\n"
+        portrait = self.pack({"1.png": ell(1440, 2560, lambda x, y: (1439 - x, 2559 - y))}, ini, name="portrait.sl1")
+        hashes = []
+        for part in (upright, across, portrait):
+            done = self.print_it(part)
+            words = "printed turned by 90 degrees: the archive is sliced for a panel of 2560 x 1440 pixels"
+            (self.assertNotIn if part is upright else self.assertIn)(words, done.stderr)
+            hashes += [line["mask_hash"] for line in exposures(self.report)]
+            inspected = json.loads(self.run_it("inspect", part, "--printer", SIM2K, "--json").stdout)
+            self.assertEqual((inspected["fits"], inspected["turned"]), (True, part is not upright))
+        self.assertEqual(hashes[1:], hashes[:1] * 2)
+
     def test_packed_folder_is_the_same_print(self):
         ini = "exposure_time = 2.25\ninitial_exposure_time = 6\nfaded_layers = 0\nlayer_height = 0.05\n"
         layers = {f"a{k}.png": square(100, island=20) for k in range(4)}
@@ -169,7 +202,9 @@ class Printed(Sliced):
         layer, ini = square(), "exposure_time = 2\n"
         for files, words in (
             ({"a/config.ini": ini, "b/config.ini": ini}, "has two files config.ini. Pack one print into one archive"),
-            ({"config.ini": "# note\n" * 10_000 + ini}, "config.ini has more than 64 KiB. Export it again"),
+            ({"config.ini": "# note\n" * 10_000_000}, "its settings have more than 64 MiB. Export it again"),
+            ({"config.ini": "expTime = 2\ncalibrateRegions = 8\n"}, "is an exposure test of 8 exposures, which this version can't print"),
+            ({"config.ini": "expTime = 2\nexpTime = 3\n"}, "config.ini: expTime is '3', but another line says 2. Export it again"),
         ):
             self.assertIn(f"part.sl1: {words}", self.print_it(self.pack({**files, "1.png": layer}, name="part.sl1"), status=1).stderr)
 
@@ -205,7 +240,9 @@ class Printed(Sliced):
         cut = self.pack({"config.ini": "numFast = 5\nnumSlow = 1\n", **layers}, name="cut.sl1")
         for command in (["print", cut], ["check", cut]):
             refused = self.run_it(*command, "--printer", SIM2K, status=1).stderr
-            self.assertIn("cut.sl1: has 4 of the 6 layers that its config.ini declares. Copy or export it again", refused)
+            self.assertIn("cut.sl1: declares 6 layers, has 4. Copy or export it again", refused)
+        stale = self.pack({"config.ini": "numFast = 3\n", **layers}, name="stale.sl1")
+        self.assertIn("stale.sl1: declares 3 layers, has 4. Copy or export it again", self.print_it(stale, status=1).stderr)
 
     def test_settings_may_begin_with_a_byte_order_mark(self):
         part = self.pack({"1.png": square()}, "\ufeffdisplay_width = 120\ndisplay_height = 215\n", "wide.sl1")
@@ -299,9 +336,10 @@ class Printed(Sliced):
         self.layer_hashes()
         ours = json.loads(self.run_it("check", self.part, "--json").stdout)
         folder = json.loads(self.run_it("check", self.out, "--json").stdout)
+        self.assertEqual(ours.pop("grey")["grey_pixels"], 0)
         self.assertEqual({**ours, "name": 0}, {**folder, "name": 0})
         inspected = json.loads(self.run_it("inspect", self.part, "--json", "--printer", SIM2K).stdout)
-        self.assertEqual((inspected["archive"]["layers"], inspected["archive"]["exposure_s"], inspected["fits"]), (20, 2.5, True))
+        self.assertEqual((inspected["archive"]["layers"], inspected["archive"]["exposure_time"], inspected["fits"]), (20, 2.5, True))
         self.assertIn("20 layers of 0.1 mm, 2.00 mm high", self.run_it("inspect", self.part).stdout)
 
     @unittest.skipUnless(shutil.which("prusa-slicer"), "needs prusa-slicer")
@@ -402,8 +440,9 @@ class FromAStick(Sliced):
     def test_shows_where_the_masks_have_issues(self):
         # A square, and beside it on the second layer and above one that nothing holds.
         first, above = square(), square(island=60)
-        self.assertIsNone(self.pictures_of(self.pack({f"{i}.png": first for i in range(1, 5)}))["issues"])
-        self.assertGreater(self.pictures_of(self.pack({f"{i}.png": first if i == 1 else above for i in range(1, 5)}))["issues"], 0)
+        ini = "layer_height = 0.05\nexposure_time = 2.5\ninitial_exposure_time = 30\n"  # else it is asked about
+        self.assertIsNone(self.pictures_of(self.pack({f"{i}.png": first for i in range(1, 5)}, ini))["issues"])
+        self.assertGreater(self.pictures_of(self.pack({f"{i}.png": first if i == 1 else above for i in range(1, 5)}, ini))["issues"], 0)
         columns, rows, pixels = rgb_of(self.dir / "issues.png")
         self.assertEqual((columns, rows), (320, 180))
         red = sum(red > 200 and green < 120 for red, green, _ in pixels)
@@ -415,7 +454,7 @@ class FromAStick(Sliced):
         self.make_part()
         self.put_stick(self.part, job='[job]\nscan = "part.sl1"\n[placement]\nscale = 2.0\n')
         daemon = self.start("--speedup", 1e6)
-        self.until(daemon, "part.sl1: is sliced already, so of the job's settings only the profile counts")
+        self.until(daemon, "part.sl1: is sliced already, so of the job's settings only the profile, exposures, lifts and waits count")
         daemon.kill()
         daemon.wait()
         shutil.rmtree(self.dir / "stick")

@@ -1,8 +1,11 @@
 """A client of plumblined's state socket, and a simulated printer to talk to."""
 
 import json
+import os
+import queue
 import socket
 import subprocess
+import threading
 import time
 
 from case import PLUMBLINED, SIM2K, SOURCE_DIR, Program, confirm_plate, write_sphere
@@ -13,23 +16,56 @@ except ImportError:
     Draft202012Validator = None
 
 SCHEMA = json.loads((SOURCE_DIR / "firmware/state/state.schema.json").read_text())
-SECONDS = 90
+SECONDS = 180  # only what goes wrong takes as long
+
+
+def same_age(folder):
+    """Makes all files of a stick equally old, so that their list is sorted by name."""
+    for path in folder.rglob("*"):
+        os.utime(path, (1.7e9, 1.7e9), follow_symlinks=False)
 
 
 class Client:
     """A connection. All states that it receives are checked against the schema and kept."""
 
-    def __init__(self, test, path):
+    def __init__(self, test, path, eager=False):
+        """
+        @param eager  read whatever the test does meanwhile: a client that takes nothing for 10 s is dropped, and on a busy machine any step may take
+                      that long
+        """
         self.test, self.states, self.replies, self.rest, self.asked = test, [], [], b"", 0
         self.socket = socket.socket(socket.AF_UNIX)
         test.addCleanup(self.socket.close)
         self.socket.connect(str(path))
+        self.come = queue.SimpleQueue() if eager else None
+        if eager:
+            threading.Thread(target=self.read_all, daemon=True).start()
         self.check = Draft202012Validator(SCHEMA) if Draft202012Validator else None
+
+    def read_all(self):
+        data = b"-"
+        while data:
+            try:
+                data = self.socket.recv(1 << 20)
+            except OSError:
+                data = b""
+            self.come.put(data)
+
+    def next_bytes(self, seconds):
+        if self.come is None:
+            self.socket.settimeout(seconds)
+            return self.socket.recv(1 << 20)
+        try:
+            data = self.come.get(timeout=seconds)
+        except queue.Empty:
+            raise TimeoutError from None
+        if not data:
+            self.come.put(data)  # the end stays the end
+        return data
 
     def receive(self, end):
         """Takes what has come, waiting for it until `end`. @returns False at the end of the connection"""
-        self.socket.settimeout(max(0.01, end - time.monotonic()))
-        data = self.socket.recv(1 << 20)
+        data = self.next_bytes(max(0.01, end - time.monotonic()))
         *lines, self.rest = (self.rest + data).split(b"\n")
         for line in lines:
             value = json.loads(line)
@@ -67,6 +103,9 @@ class Client:
 
     def do(self, do, **members):
         reply = self.ask(do, **members)
+        while not reply["ok"] and reply["told"]["code"] == "answer_soon":  # what it asks has just come
+            time.sleep(0.2)
+            reply = self.ask(do, **members)
         self.test.assertTrue(reply["ok"], reply)
 
     def refused(self, words, do, **members):
@@ -84,7 +123,7 @@ class StatePrinter(Program):
         self.path = self.folder / "state"
         self.commands = self.folder / "state.command"
 
-    def start(self, *arguments, speedup=200, plate=True, printer=SIM2K):
+    def start(self, *arguments, speedup=200, plate=True, printer=SIM2K, eager=False):
         self.folder.mkdir(exist_ok=True)
         if plate:
             confirm_plate(self.folder)
@@ -95,7 +134,7 @@ class StatePrinter(Program):
         end = time.monotonic() + SECONDS
         while time.monotonic() < end:
             try:
-                return daemon, Client(self, self.commands)
+                return daemon, Client(self, self.commands, eager)
             except OSError:
                 time.sleep(0.02)
         return self.fail("no socket")
@@ -111,4 +150,5 @@ class StatePrinter(Program):
                 write_sphere(folder / name, points=points, radius=what)
         if text:
             (folder / "job.toml").write_text(text)
+        same_age(folder)
         folder.rename(self.stick)

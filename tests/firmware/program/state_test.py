@@ -77,6 +77,15 @@ class State(StatePrinter):
         user.do("resume")
         done = user.state("plate in use", "plate-empty")
         self.assertEqual(done["job"]["result"], "finished")
+        machine = done["machine"]
+        self.assertAlmostEqual(machine["resin_ml"], 180 - done["resin"]["used_ml"], delta=0.002)
+        self.assertEqual((machine["filled_ml"], machine["film_layers"], machine["unseen_faults"]), (180, done["progress"]["layers"], []))
+        self.assertGreater(machine["hottest_c"]["lamp"], 25)
+        user.refused("a full tank holds 180 ml", "filled", ml=181)
+        user.do("filled", ml=50.5)
+        user.until(lambda s: s["machine"]["resin_ml"] == 50.5, "what somebody says")
+        user.do("filled")
+        user.until(lambda s: s["machine"]["resin_ml"] == 180, "a full tank")
         self.assertEqual(done["progress"]["layers_done"], done["progress"]["layers"])
         self.assertEqual(len(done["findings"]) > 0, True, "the ball is 2 mm long, which is suspicious")
         small = done["findings"][0]["told"]

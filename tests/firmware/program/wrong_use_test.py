@@ -44,7 +44,30 @@ class WorldErrors(Program):
     def test_output_that_cannot_be_created(self):
         write_sphere(self.scan)
         self.refused("slice", self.scan, "-o", "/proc/plumbline", message="/proc/plumbline: the folder cannot be created")
-        self.refused("slice", self.scan, "-o", self.scan, message=".*sphere.ply: is a file, not a folder")
+        self.refused("slice", self.scan, "-o", self.scan, message=".*sphere.ply: files of this kind are not written")
+        (self.dir / "letter").touch()
+        self.refused("slice", self.scan, "-o", self.dir / "letter", message=".*letter: is a file, not a folder")
+
+    def test_output_of_a_kind_that_is_not_written(self):
+        write_sphere(self.scan)
+        for name in ("part.ctb", "part.goo", "Part.PWMX", "part.cbddlp", "part.photon", "part.zip", "part.stl", "part.png"):
+            path = self.dir / name
+            self.refused("slice", self.scan, "-o", path, message=f".*{name}: files of this kind are not written. Give a folder, or an archive that")
+            self.assertFalse(path.exists())
+        for name in ("bust.v2", "part.ctb/", "out"):
+            self.run_it("slice", self.scan, "-o", f"{self.dir}/{name}", "--quiet", "--no-preview", "--pixel-pitch", 0.5, "--layer-height", 0.5)
+            self.assertTrue((self.dir / name / "manifest.json").exists())
+
+    def test_points_without_a_surface(self):
+        scan = self.dir / "few.xyz"
+        for points, said in (
+            ("0 0 0\n", "all of it lies at one place, 0 0 0. Export it again"),
+            ("0 0 0\n1 1 1\n", "no surface found in 2 points: most have too few neighbours"),
+            ("".join(f"{i / 10} 0 0\n" for i in range(500)), "no surface found in 500 points: most have too few neighbours"),
+        ):
+            scan.write_text(points)
+            for command in (("slice", "-o", self.out), ("inspect",), ("orient",), ("orient", "--json")):
+                self.refused(command[0], scan, *command[1:], message=f"few.xyz: {said}")
 
     def test_outputs_that_cannot_be_written_are_refused_before_the_scan_is_opened(self):
         missing, nowhere = self.dir / "no.ply", self.dir / "no" / "file"
@@ -199,7 +222,7 @@ class Usage(Program):
         self.assertIn(message, self.run_it(*arguments, status=2).stderr)
 
     def test_unknown_subcommand_is_named_with_all_subcommands(self):
-        every = "Subcommands are slice, inspect, orient, print, check, sample, status, ctl, simulate, setup, doctor"
+        every = "Subcommands are slice, inspect, orient, print, check, sample, status, ctl, simulate, setup, profile, doctor"
         self.says("foo", message=f"plumbline: 'foo' is not a subcommand. {every}")
         self.says("prnt", message=f"plumbline: 'prnt' is not a subcommand; did you mean print? {every}")
         self.says(message=f"plumbline: no subcommand given. {every}")

@@ -225,14 +225,25 @@ inline void fill_in(PrinterRecord& record, PrintState state) {
   if (!at_rest(state) && state != PrintState::kSlicing) record.set_progress(status_of(state), 1'900'000'000);
 }
 
-inline SlicedRecord a_sliced_job() {
-  return {.width_mm = 62.1,
-          .depth_mm = 48.2,
-          .height_mm = 80.2,
-          .layer_height_mm = 0.05,
-          .layers = 1604,
-          .resin_ml = 34.5,
-          .time = std::chrono::minutes(266)};
+inline Contract a_sliced_job() {
+  Contract contract;
+  contract.width_mm = 62.1;
+  contract.depth_mm = 48.2;
+  contract.height_mm = 80.2;
+  contract.resin_ml = 34.5;
+  contract.time = std::chrono::minutes(266);
+  PrintPlan& plan = contract.plan;
+  plan.layers = 1604;
+  plan.layer_height = Distance::micrometres(50);
+  plan.exposure = std::chrono::milliseconds(2500);
+  plan.initial_exposure = std::chrono::seconds(30);
+  plan.bottom_layers = 5;
+  plan.faded_layers = 8;
+  plan.lift = Distance::millimetres(5);
+  plan.lift_speed = plan.lift_speed2 = plan.retract_speed = plan.retract_speed2 = mm_per_min(60);
+  contract.sources[index_of(PrintKey::kExposureTime)] = ValueSource::kPerson;
+  contract.sources[index_of(PrintKey::kLayerHeight)] = ValueSource::kArchive;
+  return contract;
 }
 
 }  // namespace plumbline

@@ -54,6 +54,10 @@ class TestTaker final : public CommandTaker {
       taken.push_back("propose");
       return kStartPressed;
     }
+    if (request.command == Command::kOpen) {
+      taken.push_back("open " + std::to_string(request.folder));
+      return kStartPressed;
+    }
     if (request.command == Command::kChoose) {
       taken.push_back("choose " + std::to_string(request.scan));
       record_.job->chosen = request.scan - 1;
@@ -178,6 +182,37 @@ TEST(ScreenServer, GoesRoundTheScansAndTheSettings) {
   EXPECT_THAT(rig.taker.taken, ElementsAre("choose 2", "choose 3", "choose 1"));
   EXPECT_TRUE(rig.press(kStartPressed)) << "prints the first one";
   EXPECT_TRUE(rig.press(kCancelPressed));
+}
+
+TEST(ScreenServer, OpensFoldersAndGoesBackUp) {
+  Rig rig(kOffered);
+  rig.record->folder_count = 2;
+  assign(rig.record->folder, "prints");
+  rig.record->job->chosen = 2;
+  for (const ListRow row : {ListRow::kFolder, ListRow::kFolder, ListRow::kUp, ListRow::kSettings}) {
+    EXPECT_FALSE(rig.press(kPausePressed));
+    EXPECT_EQ(rig.server.view().row, row);
+    EXPECT_TRUE(rig.taker.taken.empty());
+  }
+  rig.press(kPausePressed);
+  EXPECT_THAT(rig.taker.taken, ElementsAre("choose 1"));
+  rig.record->job->chosen = 2;
+  rig.press(kPausePressed);
+  rig.press(kPausePressed);
+  EXPECT_EQ(rig.server.view().folder, 1U);
+  const auto passed = rig.server.filter({TimePoint(), kStartPressed}, *rig.record, rig.taker);
+  ASSERT_TRUE(passed) << "as the start of a wish";
+  EXPECT_TRUE(passed->named) << "or it would not count within a second of the choice before it";
+  EXPECT_EQ(rig.server.view().row, ListRow::kScan);
+  for (int i = 0; i < 3; ++i) rig.press(kPausePressed);
+  EXPECT_TRUE(rig.press(kStartPressed));
+  EXPECT_THAT(rig.taker.taken, ElementsAre("choose 1", "open 2", "open 0"));
+  // The list of another folder, or another stick, has fewer of them.
+  for (int i = 0; i < 2; ++i) rig.press(kPausePressed);
+  EXPECT_EQ(rig.server.view().folder, 1U);
+  rig.record->folder_count = 1;
+  rig.server.show(*rig.record, 1h);
+  EXPECT_EQ(rig.server.view().row, ListRow::kScan);
 }
 
 TEST(ScreenServer, AsksBeforeItDeletesAnUploadedScan) {

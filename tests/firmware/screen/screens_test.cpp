@@ -106,6 +106,24 @@ std::vector<ScreenCase> golden_cases() {
                                 assign(record.job->files[record.job->file_count++], file);
                               }
                             })},
+      {"scans-folders", with(kOffered,
+                             [](auto& record, auto& view) {
+                               record.scan_count = 1;
+                               record.folder_count = 2;
+                               assign(record.folders[0].name, "Büsten");
+                               record.folders[0].entries = 3;
+                               assign(record.folders[1].name, "prints of the last two years");
+                               record.folders[1].entries = 212;
+                               assign(record.folder, "projects/museum");
+                               record.left_out = {20'123, 121, 2, {}, PrinterCode::kStickNotListed};
+                               assign(record.left_out.text,
+                                      "not listed: 20123 files, 121 folders, 2 partitions that can't be read");
+                               record.left_out.told.add(Fact::kCount, 20'123);
+                               record.left_out.told.add(static_cast<Fact>(PrinterFact::kFolders), 121);
+                               record.left_out.told.add(static_cast<Fact>(PrinterFact::kPartitions), 2);
+                               view.row = ListRow::kFolder;
+                               view.folder = 1;
+                             })},
       {"scans-broken", with(kOffered,
                             [](auto& record, auto&) {
                               record.job->chosen = 1;
@@ -174,6 +192,12 @@ std::vector<ScreenCase> golden_cases() {
                          record.add_finding(Severity::kWarning, "1 suction cup at layer 20, 3.2 ml");
                        })},
       {"preview-clean", with(kOffered, [](auto& record, auto&) { record.sliced = a_sliced_job(); })},
+      {"contract", with(kOffered,
+                        [](auto& record, auto& view) {
+                          record.sliced = a_sliced_job();
+                          view.contract_open = true;
+                          view.value = index_of(PrintKey::kExposureTime);
+                        })},
       {"checks", with(kChecks, [=](auto& record, auto&) { some_checks(record, 7); })},
       {"homing", with(kHoming, [=](auto& record, auto&) { some_checks(record, 10); })},
       {"printing", with(kPrinting)},
@@ -459,6 +483,24 @@ TEST(Screens, EachValueOfASettingFits) {
 }
 
 // What a stick or a slicer can say has any length: it is cut, and lies on nothing else.
+TEST(Screens, AFindingIsShortenedByWholeParts) {
+  const Look look(320, 240);
+  constexpr std::string_view kText =
+      "2 islands, the largest of 1.46 mm2 (582 px) at x 34.2, y 61.0 mm in layer 70 (3.50 mm): add supports, or turn "
+      "the object";
+  std::string_view before = kText;
+  for (int lines = 6; lines > 0; --lines) {
+    const auto shown = Page::whole_parts(kText, 300, lines, look.plain);
+    EXPECT_TRUE(shown == kText || shown.ends_with("(3.50 mm)") || shown == "2 islands") << shown;
+    EXPECT_LE(Page::lines_of(shown, 300, look.plain), lines);
+    EXPECT_LE(shown.size(), before.size());
+    before = shown;
+  }
+  EXPECT_EQ(before, "2 islands");
+  EXPECT_EQ(Page::whole_parts("no colon in here at all, and much too long", 30, 1, look.plain),
+            "no colon in here at all, and much too long");
+}
+
 TEST(Screens, TheLongestRecordFits) {
   const std::string wide(1000, 'W');
   for (const ScreenCase& one : golden_cases()) {
@@ -477,6 +519,13 @@ TEST(Screens, TheLongestRecordFits) {
         scan.bytes = 9'999'999'999'999;
         if (!scan.problem.view().empty()) assign(scan.problem, wide);
       }
+      if (record.folder_count > 0) record.folder_count = record.folders.size();
+      for (FolderRecord& folder : record.folders) {
+        assign(folder.name, wide);
+        folder.entries = 99'999;
+      }
+      if (!record.folder.view().empty()) assign(record.folder, wide);
+      if (!record.left_out.text.view().empty()) assign(record.left_out.text, wide);
       if (record.job) {
         assign(record.job->scan, wide);
         if (record.job->file_count > 1) record.job->file_count = record.job->files.size();
@@ -487,7 +536,7 @@ TEST(Screens, TheLongestRecordFits) {
       if (record.proposals) record.proposals->fill(Proposal{{-359.9, -359.9}, 9, 99'999, 9'999'999, 999'999, 9999, 9});
       if (record.sliced) {
         record.sliced->width_mm = record.sliced->depth_mm = record.sliced->height_mm = 1999.9;
-        record.sliced->layers = 40'000;
+        record.sliced->plan.layers = 40'000;
         record.sliced->resin_ml = 9999.9;
         record.sliced->time = std::chrono::hours(99);
       }

@@ -430,6 +430,10 @@ TEST_F(SetUp, AsksAgainWhatCannotBe) {
   EXPECT_THAT(refusal("step_line", "none"), HasSubstr("no printer works without it"));
   EXPECT_THAT(refusal("step_line", "chip 2000"), HasSubstr("from 0 to 1023"));
   EXPECT_THAT(refusal("resin_sensor", "lm75"), HasSubstr("hwmon NAME"));
+  EXPECT_THAT(refusal("printer.language", "fr"), HasSubstr("one of the strings en or de"));
+  EXPECT_THAT(refusal("screen", "HDMI-A-1"), HasSubstr("SPI-1 320x240 90 16-bit"));
+  EXPECT_THAT(refusal("screen", "HDMI-A-1 DSI-1 800x480"), HasSubstr("a screen is its connector and its size"));
+  EXPECT_THAT(refusal("screen", "HDMI-A-1 100x480"), HasSubstr("320"));
   EXPECT_EQ(draft_->line("step_line"), "9030000.pl061 0") << "as before";
   EXPECT_THAT(refusal("print.profile", "none"), HasSubstr("none"));
   EXPECT_THAT(refusal("z_stage.travel_mm", "60"), HasSubstr("at least travel_mm + 1"))
@@ -438,11 +442,10 @@ TEST_F(SetUp, AsksAgainWhatCannotBe) {
 
 TEST_F(SetUp, TakesEachKindOfWiring) {
   begin("rig", board("rig"));
-  person_.answers = {{"step_line", "GPIO17 low pull-up"},
-                     {"start_button", "none"},
-                     {"lamp_sensor", "hwmon tmp102 2"},
-                     {"board_sensor", "zone cpu-thermal"},
-                     {"lamp_fan", "pwm pwmchip0 0"}};
+  person_.answers = {
+      {"step_line", "GPIO17 low pull-up"}, {"start_button", "none"},
+      {"lamp_sensor", "hwmon tmp102 2"},   {"board_sensor", "zone cpu-thermal"},
+      {"lamp_fan", "pwm pwmchip0 0"},      {"screen", "320x240 SPI-1 /dev/input/by-path/touch-event 90 16-bit"}};
   ASSERT_TRUE(ask_about_printer(person_, *draft_, "mine")) << person_.refused;
   const auto found = draft_->board();
   ASSERT_TRUE(found) << found.error().message();
@@ -456,6 +459,42 @@ TEST_F(SetUp, TakesEachKindOfWiring) {
   EXPECT_EQ(wiring.thermals.sensors[2].thermal_zone, "cpu-thermal");
   EXPECT_EQ(wiring.thermals.fans[0].pwm_chip, "pwmchip0");
   EXPECT_EQ(wiring.thermals.fans[0].channel, 0U);
+  EXPECT_EQ(wiring.screen.connector, "SPI-1");
+  EXPECT_EQ(wiring.screen.columns, 320U);
+  EXPECT_EQ(wiring.screen.rows, 240U);
+  EXPECT_EQ(wiring.screen.rotation_deg, 90U);
+  EXPECT_EQ(wiring.screen.bits, 16U);
+  EXPECT_EQ(wiring.screen.touch, "/dev/input/by-path/touch-event");
+  EXPECT_EQ(draft_->screen(), "SPI-1 320x240 90 16-bit /dev/input/by-path/touch-event");
+  ASSERT_TRUE(draft_->set_screen("HDMI-A-1 800x480", "")) << "what the first had and this one lacks goes";
+  EXPECT_EQ(draft_->screen(), "HDMI-A-1 800x480");
+  ASSERT_TRUE(draft_->set_screen("none", ""));
+  EXPECT_FALSE(draft_->values().machine->wiring.screen.given());
+  EXPECT_TRUE(draft_->board());
+}
+
+TEST_F(SetUp, AsksForLanguagePageScreenAndStartAndWritesWhatWasSaid) {
+  begin("rpi4_dxq608", board("rpi4_dxq608"));
+  ASSERT_TRUE(ask_about_printer(person_, *draft_, "mine")) << person_.refused;
+  for (const char* const name : {"printer.language", "printer.page", "screen", "print.start"}) {
+    EXPECT_THAT(person_.asked, ::testing::Contains(std::string(name)));
+  }
+  const std::string as_offered = draft_->text();
+  EXPECT_THAT(as_offered, HasSubstr("\nlanguage = \"en\" "));
+  EXPECT_THAT(as_offered, HasSubstr("\npage = \"off\" "));
+  EXPECT_THAT(as_offered, HasSubstr("\nstart = \"on_request\" "));
+  EXPECT_THAT(as_offered, Not(HasSubstr("[screen]")));
+  person_.answers = {{"printer.language", "de"},
+                     {"printer.page", "network"},
+                     {"screen", "HDMI-A-1 800x480"},
+                     {"print.start", "after_preview"}};
+  ASSERT_TRUE(ask_about_printer(person_, *draft_, "mine")) << person_.refused;
+  const auto found = draft_->board();
+  ASSERT_TRUE(found) << found.error().message();
+  EXPECT_EQ(found->machine->language, Language::kGerman);
+  EXPECT_EQ(found->machine->page, PageChoice::kNetwork);
+  EXPECT_EQ(found->machine->start, StartChoice::kAfterPreview);
+  EXPECT_EQ(found->machine->wiring.screen.columns, 800U);
 }
 
 TEST_F(SetUp, KeepsEveryBoardFileOnTheWayThroughItsText) {

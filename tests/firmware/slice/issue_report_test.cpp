@@ -148,5 +148,59 @@ TEST(IssueReport, CoarsePixelsHaveLimitsOfTheSameSizeInMillimetres) {
   EXPECT_EQ(coarse_limits(coarse, {}).trap_pixels, 17U);  // a hollow of one coarse pixel is noise
 }
 
+/// All kinds, as large as numbers get.
+StackFindings largest_findings() {
+  constexpr std::uint64_t kPixels = std::uint64_t{16384} * 16384, kVoxels = kPixels * PrintGrid::kMaxLayers;
+  StackFindings findings;
+  findings.voxels = findings.shadowed_voxels = kVoxels;
+  findings.unchecked_layers = PrintGrid::kMaxLayers;
+  for (std::size_t i = 0; i < kIssueKindCount; ++i) {
+    IssueGroup& group = findings.groups[i];
+    group.add(
+        {static_cast<IssueKind>(i), 60000, 10000, 60000, 16383, 16383, kPixels, kVoxels / 7, 123456.7F, 123456.7F});
+    group.count = 4'000'000'000U;
+  }
+  return findings;
+}
+
+TEST(IssueReport, NeverBreaksASentenceOff) {
+  constexpr PrintGrid kLargest{.columns = 16384,
+                               .rows = 16384,
+                               .layers = PrintGrid::kMaxLayers,
+                               .pitch_x_mm = 0.9876F,
+                               .pitch_y_mm = 0.9876F,
+                               .layer_height_mm = 0.9876F};
+  const StackFindings findings = largest_findings();
+  int seen = 0;
+  for_each_issue(findings, kLargest, {}, [&](IssueKind kind, CheckAction, std::string_view sentence) {
+    ++seen;
+    EXPECT_LT(sentence.size(), kLongestSentence - 1) << sentence;
+    EXPECT_THAT(std::string(sentence), EndsWith(std::string(words_of(kind).advice)));
+    CheckPolicy policy;
+    for (const CheckAction action : {CheckAction::kAsk, CheckAction::kRefuse}) {
+      policy = {};
+      for (std::size_t i = 0; i < kIssueKindCount; ++i) policy.of(static_cast<IssueKind>(i)) = CheckAction::kIgnore;
+      policy.of(kind) = action;
+      policy.of(IssueKind::kPeelJump) = policy.of(IssueKind::kTear) = action;
+      const Status judged = judge(findings, kLargest, policy);
+      ASSERT_FALSE(judged);
+      EXPECT_THAT(std::string(judged.error().message()), testing::AnyOf(EndsWith("--accept"), EndsWith("in [checks]")));
+    }
+  });
+  EXPECT_EQ(seen, int{kIssueKindCount});
+  EXPECT_FALSE(issue_counts(findings).cut()) << issue_counts(findings).view();
+}
+
+TEST(IssueReport, CountsAndShowsOnlyWhatAPersonIsToldOf) {
+  StackFindings findings = some_findings();
+  findings.of(IssueKind::kIsland).minor = 1;
+  findings.of(IssueKind::kFreePiece).minor = 1;
+  EXPECT_EQ(issue_counts(findings).view(), "1 island");
+  EXPECT_THAT(sentences(findings, {}), ElementsAre(StartsWith("1 island of 1.46 mm2")));
+  CheckPolicy policy;
+  policy.of(IssueKind::kFreePiece) = CheckAction::kRefuse;
+  EXPECT_TRUE(judge(findings, kGrid, policy)) << "nobody is asked about what is not told";
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -32,7 +32,7 @@ void write_job(const std::string& path, std::uint32_t layers) {
   ASSERT_TRUE(directory.has_value()) << directory.error().message();
   ASSERT_TRUE(directory->begin().has_value());
   for (std::uint32_t i = 0; i < layers; ++i) ASSERT_TRUE(directory->write_layer(i, bytes("layer")).has_value());
-  ASSERT_TRUE(directory->write_picture(Picture::kPreview, bytes("picture")).has_value());
+  ASSERT_TRUE(directory->write_picture(JobPicture::kPreview, bytes("picture")).has_value());
   auto manifest = directory->create_manifest();
   ASSERT_TRUE(manifest.has_value());
   ASSERT_TRUE(manifest->write(std::string_view("{\n  \"plumbline\": {}\n}\n")).has_value());

@@ -24,7 +24,9 @@ Parsed parse(std::string_view line) {
 TEST(ClientRequest, HasACommandAndWhatItNeeds) {
   for (std::size_t i = 0; i < kCommandCount; ++i) {
     const auto command = static_cast<Command>(i);
-    if (command == Command::kChoose || command == Command::kSet || command == Command::kRemove) continue;
+    if (command == Command::kChoose || command == Command::kSet || command == Command::kRemove ||
+        command == Command::kOpen)
+      continue;
     const auto parsed = parse("{\"do\":\"" + std::string(to_string(command)) + "\"}");
     ASSERT_TRUE(parsed.request) << parsed.request.error().message();
     EXPECT_EQ(parsed.request->command, command);
@@ -33,6 +35,8 @@ TEST(ClientRequest, HasACommandAndWhatItNeeds) {
   const auto choose = parse(" {\t\"scan\" : 64 , \"id\":9007199254740992, \"do\": \"choose\" } \r");
   ASSERT_TRUE(choose.request) << choose.request.error().message();
   EXPECT_EQ(choose.request->scan, 64U);
+  EXPECT_EQ(parse("{\"do\": \"open\", \"folder\": 0}").request.value().folder, 0U);
+  EXPECT_EQ(parse("{\"do\": \"open\", \"folder\": 32}").request.value().folder, 32U);
   EXPECT_EQ(choose.id, 9007199254740992U);
   const auto set = parse(R"({"do": "set", "key": "\u0073cale", "value": -1.5e+3})");
   ASSERT_TRUE(set.request) << set.request.error().message();
@@ -50,9 +54,35 @@ TEST(ClientRequest, HasACommandAndWhatItNeeds) {
   EXPECT_EQ(upload.request->name.view(), "../b\xc3\xbcst.ply");
   EXPECT_EQ(upload.request->bytes, 9007199254740992U);
   EXPECT_EQ(parse(R"({"do":"remove","name":"../b.ply"})").request->name.view(), "../b.ply");
+  EXPECT_EQ(parse(R"({"do":"filled"})").request->ml, std::nullopt);
+  EXPECT_EQ(parse(R"({"do":"filled","ml":12.5})").request->ml, 12.5);
+  for (const char* const wrong :
+       {R"({"do":"filled","ml":-1})", R"({"do":"filled","ml":"1"})", R"({"do":"start","ml":1})"}) {
+    EXPECT_FALSE(parse(wrong).request) << wrong;
+  }
   EXPECT_EQ(parse(R"({"do":"set","key":"fit","value":true})").request->value.view(), "true");
   EXPECT_EQ(parse(R"({"do":"set","key":"profile","value":"\ud83d\ude00 \"\\\/"})").request->value.view(),
             "\xf0\x9f\x98\x80 \"\\/");
+}
+
+TEST(ClientRequest, SaysWhatItIsMeantFor) {
+  const auto start = parse(R"({"do":"start","for":"00000000000000ff"})");
+  ASSERT_TRUE(start.request) << start.request.error().message();
+  EXPECT_EQ(start.request->about, 255U);
+  EXPECT_EQ(parse(R"({"do":"set","key":"scale","value":2,"for":"ffffffffffffffff"})").request->about, UINT64_MAX);
+  EXPECT_EQ(parse(R"({"do":"mask","layer":1,"job":"0123456789abcdef"})").request->job, 0x0123456789abcdefU);
+  for (const char* id : {"\"\"", "255", "\"ff\"", "\"0000000000000000\"", "\"00000000000000FF\"",
+                         "\"00000000000000ff0\"", "\"0x000000000000ff\"", "\"-0000000000000ff\"", "true"}) {
+    const auto wrong = parse(std::string(R"({"do":"start","for":)") + id + "}");
+    ASSERT_FALSE(wrong.request) << id;
+    EXPECT_THAT(wrong.request.error().message(), HasSubstr("16 hexadecimal digits"));
+  }
+  EXPECT_FALSE(parse(R"({"do":"start","job":"00000000000000ff"})").request)
+      << "a picture is of a job, a command for one";
+  EXPECT_FALSE(parse(R"({"do":"mask","layer":1,"for":"00000000000000ff"})").request);
+  TextBuffer<200> line;
+  ASSERT_TRUE(write_request(line, *start.request, 7));
+  EXPECT_EQ(parse(line.view().substr(0, line.view().size() - 1)).request->about, 255U) << line.view();
 }
 
 struct Wrong {
@@ -92,6 +122,9 @@ TEST(ClientRequest, SaysWhatIsWrong) {
       {"{\"do\":\"start\",\"id\":9007199254740993}", "id: allowed is a whole number"},
       {"{\"do\":\"start\",\"file\":1}", "'file': unknown member"},
       {"{\"do\":\"start\",\"scan\":1}", "start needs nothing beside"},
+      {"{\"do\":\"open\"}", "open needs \"folder\""},
+      {"{\"do\":\"open\",\"folder\":33}", "folder: allowed is"},
+      {"{\"do\":\"start\",\"folder\":1}", "start needs nothing"},
       {"{\"do\":\"choose\"}", "choose needs \"scan\""},
       {"{\"do\":\"choose\",\"scan\":0}", "scan: allowed is"},
       {"{\"do\":\"choose\",\"scan\":65}", "scan: allowed is"},

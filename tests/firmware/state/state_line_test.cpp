@@ -7,6 +7,7 @@
 #include <string>
 
 #include "firmware/io/text/json_cursor.hpp"
+#include "firmware/io/wall_clock.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
@@ -52,6 +53,15 @@ std::unique_ptr<PrinterRecord> longest_record() {
     scan.files = 64;
     scan.picture = ~std::uint32_t{0};
   }
+  fill(record->folder);
+  record->folder_count = record->folders.size();
+  for (FolderRecord& folder : record->folders) {
+    fill(folder.name);
+    folder.entries = ~std::uint32_t{0};
+  }
+  record->left_out.files = record->left_out.folders = record->left_out.partitions = ~std::size_t{0};
+  fill(record->left_out.text);
+  record->left_out.told = longest_told();
   UploadRecord& upload = record->upload.emplace();
   upload.number = ~std::uint32_t{0};
   upload.bytes = upload.received = ~std::uint64_t{0};
@@ -70,8 +80,15 @@ std::unique_ptr<PrinterRecord> longest_record() {
   record->result = PrintState::kSuspended;
   for (auto& profile : record->profiles) fill(profile);
   record->profile_count = record->profiles.size();
-  record->sliced =
-      SlicedRecord{1999.999, 1999.999, 1999.999, 0.123, ~std::uint32_t{0}, 12345.678, std::chrono::hours(99999)};
+  Contract& contract = record->sliced.emplace();
+  contract.width_mm = contract.depth_mm = contract.height_mm = 1999.999;
+  contract.rotation_deg.fill(-359.999);
+  contract.resin_ml = 12345.678;
+  contract.time = std::chrono::hours(99999);
+  contract.plan.layers = ~std::uint32_t{0};
+  contract.plan.layer_height = Distance::micrometres(123.456);
+  contract.sources.fill(ValueSource::kPrinter);
+  for (auto& value : record->job->values) value = 299.9999;
   record->slicing = SlicingRecord{Stage::kWindingTree, 0.123};
   record->proposals.emplace().fill({{-359.9, -359.9}, 1, 1.23456e29, 1.23456e29, 1.23456e29, 1.23456e29, 1.23456e29});
   PrintStatus status;
@@ -93,6 +110,37 @@ std::unique_ptr<PrinterRecord> longest_record() {
   return record;
 }
 
+TEST(StateLine, GivesNoTimeOfDayWithoutASetClock) {
+  EXPECT_EQ(known_time(0), 0);
+  EXPECT_EQ(known_time(kEarliestTime - 1), 0);
+  EXPECT_EQ(known_time(kEarliestTime), kEarliestTime);
+  PrinterRecord record;
+  PrintStatus status;
+  status.state = PrintState::kPrinting;
+  status.remaining = std::chrono::minutes(5);
+  record.set_progress(status, known_time(80));
+  const auto line = std::make_unique<StateLine>();
+  ASSERT_TRUE(write_state_line(*line, record, 1));
+  EXPECT_EQ(json_member(*json_member(line->view(), "progress"), "ends_at"), "null");
+  EXPECT_EQ(json_member(*json_member(line->view(), "progress"), "left_s"), "300");
+}
+
+TEST(StateLine, HasWhatThePrinterRemembers) {
+  PrinterRecord record;
+  const auto line = std::make_unique<StateLine>();
+  ASSERT_TRUE(write_state_line(*line, record, 1));
+  EXPECT_EQ(json_member(line->view(), "machine"), "null");
+  const TemporaryFolder folder;
+  MachineRecord machine = MachineRecord::open(folder / ".", 180).value();
+  ASSERT_TRUE(machine.add_fault(FaultCode::kStickGone, ""));
+  record.machine = &machine;
+  const auto another = std::make_unique<StateLine>();
+  ASSERT_TRUE(write_state_line(*another, record, 1));
+  EXPECT_EQ(json_member(another->view(), "machine"),
+            "{\"resin_ml\": null, \"filled_ml\": null, \"tank_ml\": 180, \"lamp_h\": 0, \"film_layers\": 0, "
+            "\"hottest_c\": {\"lamp\": null, \"resin\": null, \"board\": null}, \"unseen_faults\": [\"PL-107\"]}");
+}
+
 TEST(StateLine, OfTheLongestRecordFits) {
   const TemporaryFolder folder;
   auto prints = KeptPrints::open(folder / ".", [](std::string_view /*text*/) {});
@@ -106,8 +154,14 @@ TEST(StateLine, OfTheLongestRecordFits) {
   for (std::size_t i = 0; i < KeptPrints::kMost; ++i) {
     ASSERT_TRUE(prints->keep(print, [](TextSink& out) { return out.write("{}"); }, {}));
   }
+  MachineRecord machine(12345.678);
+  for (std::size_t i = 0; i < MachineRecord::kMostFaults; ++i)
+    ASSERT_TRUE(machine.add_fault(FaultCode::kStickGone, ""));
+  for (std::size_t i = 0; i < kTemperatureSiteCount; ++i)
+    machine.felt(static_cast<TemperatureSite>(i), Celsius(99.999));
   const auto record = longest_record();
   record->prints = &*prints;
+  record->machine = &machine;
   const auto line = std::make_unique<StateLine>();
   ASSERT_TRUE(write_state_line(*line, *record, ~std::uint64_t{0})) << "more than " << kLongestLine << " bytes";
   EXPECT_TRUE(line->view().ends_with("}\n"));
@@ -131,6 +185,12 @@ TEST(StateLine, SaysWhatThePrinterTakes) {
   EXPECT_EQ(commands(), R"(["start", "cancel", "set", "propose"])") << "there is one scan";
   record.scan_count = 2;
   EXPECT_EQ(commands(), R"(["start", "cancel", "choose", "set", "propose"])");
+  record.folder_count = 1;
+  EXPECT_EQ(commands(), R"(["start", "cancel", "choose", "set", "propose", "open"])");
+  record.folder_count = 0;
+  assign(record.folder, "prints");
+  EXPECT_EQ(commands(), R"(["start", "cancel", "choose", "set", "propose", "open"])") << "back up";
+  record.folder.clear();
   assign(record.job->files[0], "bust.sl1");
   EXPECT_EQ(commands(), R"(["start", "cancel", "choose", "set"])") << "it stands as it was sliced";
   record.state = PrintState::kPlateInUse;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstring>
@@ -24,6 +25,7 @@ namespace plumbline {
 namespace {
 
 using namespace std::chrono_literals;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 class StateSocketTest : public testing::Test, public CommandTaker {
@@ -95,6 +97,7 @@ class Giver {
     std::memcpy(CMSG_DATA(part), files.data(), files.size_bytes());
     EXPECT_EQ(::sendmsg(socket_.get(), &message, MSG_NOSIGNAL), static_cast<ssize_t>(line.size()));
   }
+  void send_no_more() const { ::shutdown(socket_.get(), SHUT_WR); }
   std::string receive() const {
     std::array<char, 65536> text{};
     const ssize_t got = ::recv(socket_.get(), text.data(), text.size(), 0);
@@ -145,6 +148,74 @@ TEST_F(StateSocketTest, AnswersEachRequestAndTellsOneEventATurn) {
   EXPECT_THAT(line_of(user), HasSubstr("'printing'. It takes pause, cancel"));
   EXPECT_EQ(json_member(line_of(other), "type"), "\"state\"");
   EXPECT_EQ(line_of(other), R"({"type": "reply", "id": 9, "ok": true})");
+}
+
+// Regression: a daemon that hung carried out what a browser had been told was not answered.
+TEST_F(StateSocketTest, CarriesNothingOutForWhoeverHasGone) {
+  {
+    StateLink waits = link(true), early = link(true);
+    serve();
+    ASSERT_TRUE(waits.send("{\"do\":\"pause\"}\n"));
+    ASSERT_TRUE(early.send("{\"do\":\"cancel\"}\n"));
+  }
+  for (int turn = 0; turn < 3; ++turn) EXPECT_EQ(serve(), std::nullopt);
+  // Nor for those who went before they were let in: they take no place either.
+  for (std::size_t i = 0; i < 2 * StateSocket::kCommanders; ++i) ASSERT_TRUE(link(true).send("{\"do\":\"pause\"}\n"));
+  const Giver user(command_socket(path()));
+  for (int turn = 0; turn < 3; ++turn) EXPECT_EQ(serve(), std::nullopt);
+  EXPECT_TRUE(taken_.empty());
+  EXPECT_THAT(user.receive(), HasSubstr("\"type\": \"state\""));
+  // Whoever shuts down for sending still waits for the reply.
+  user.send("{\"do\":\"pause\"}\n", std::array{STDOUT_FILENO});
+  user.send_no_more();
+  EXPECT_EQ(serve(), EventKind::kPausePressed);
+  EXPECT_THAT(user.receive(), HasSubstr("\"ok\": true"));
+}
+
+TEST_F(StateSocketTest, RefusesACommandThatIsMeantForAnotherQuestionOrJob) {
+  record_->state = PrintState::kPaused;
+  record_->asks = 0xa;
+  record_->job_id = 0xb;
+  auto link = this->link(true);
+  serve();
+  EXPECT_THAT(line_of(link), HasSubstr(R"("asks": "000000000000000a")"));
+  const auto reply_to = [&](const char* command, const char* id) {
+    FixedText<100> line;
+    line.add("{\"do\": \"%s\", \"for\": \"%s\"}\n", command, id);
+    EXPECT_TRUE(link.send(std::string(line.view())));
+    serve();
+    return line_of(link);
+  };
+  EXPECT_THAT(reply_to("resume", "000000000000000b"), HasSubstr("answer_stale")) << "a job is not a question";
+  EXPECT_THAT(reply_to("resume", "000000000000000c"), HasSubstr("nothing was done"));
+  EXPECT_THAT(reply_to("cancel", "000000000000000c"), HasSubstr("answer_stale"));
+  EXPECT_TRUE(taken_.empty());
+  EXPECT_THAT(reply_to("resume", "000000000000000a"), HasSubstr("\"ok\": true"));
+  EXPECT_THAT(taken_, ElementsAre(Command::kResume));
+  EXPECT_THAT(reply_to("cancel", "000000000000000b"), HasSubstr("not now")) << "the print at hand: the taker is asked";
+  // While it prints nobody is asked, so an answer to the question before answers nothing.
+  record_->state = PrintState::kPrinting;
+  serve();
+  EXPECT_THAT(line_of(link), HasSubstr(R"("asks": null)"));
+  EXPECT_THAT(reply_to("pause", "000000000000000a"), HasSubstr("answer_stale"));
+  EXPECT_EQ(taken_.size(), 2U);
+}
+
+TEST_F(StateSocketTest, ShowsNothingOfAnotherJob) {
+  record_->job_id = 0xb;
+  auto link = this->link(false);
+  serve();
+  line_of(link);
+  const auto reply_to = [&](const char* question) {
+    EXPECT_TRUE(link.send(std::string(question) + "\n"));
+    serve();
+    return line_of(link);
+  };
+  EXPECT_THAT(reply_to(R"({"do": "mask", "layer": 1, "job": "000000000000000a"})"), HasSubstr("job_stale"));
+  EXPECT_THAT(reply_to(R"({"do": "picture", "picture": "layer", "job": "000000000000000a"})"), HasSubstr("job_stale"));
+  const auto mask = reply_to(R"({"do": "mask", "layer": 1, "job": "000000000000000b"})");
+  EXPECT_THAT(mask, HasSubstr(R"("job": "000000000000000b", "png")"));
+  EXPECT_EQ(reply_to(R"({"do": "mask", "layer": 1})"), mask) << "a script that names none";
 }
 
 TEST_F(StateSocketTest, IsForEverybodyToReadAndForTheGroupToCommand) {

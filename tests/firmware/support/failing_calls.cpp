@@ -12,6 +12,7 @@
 #include <cstdarg>
 #include <cstddef>
 #include <map>
+#include <set>
 
 namespace plumbline {
 namespace {
@@ -37,8 +38,17 @@ void note_change(int file) {
   if (const auto [place, is_new] = changed.try_emplace(inode_of(file), -1); is_new) place->second = ::dup(file);
 }
 
+/// Folders in which a name has come or gone, by inode.
+std::set<ino_t> folders;
+
+void note_name(int folder) {
+  if (plan.armed && plan.failure == Failure::kPowerCut) folders.insert(inode_of(folder));
+}
+
 int note_durable(int file, int result) {
-  if (result == 0) changed.erase(inode_of(file));
+  if (result != 0) return result;
+  changed.erase(inode_of(file));
+  folders.erase(inode_of(file));
   return result;
 }
 
@@ -101,12 +111,14 @@ mode_t mode_in(int flags, va_list args) {
 FailingCall::FailingCall(Calls calls, std::uint32_t nth, Failure failure) {
   count = 0;
   changed.clear();
+  folders.clear();
   plan = {.armed = true, .calls = calls, .failure = failure, .nth = nth};
 }
 FailingCall::~FailingCall() { plan.armed = false; }
 bool FailingCall::happened() const { return count >= plan.nth; }
 
 std::size_t not_durable() { return changed.size(); }
+std::size_t names_not_durable() { return folders.size(); }
 
 }  // namespace plumbline
 
@@ -153,7 +165,9 @@ int __wrap_openat(int folder, const char* path, int flags, ...) {
   va_start(args, flags);
   const mode_t mode = plumbline::mode_in(flags, args);
   va_end(args);
-  return plumbline::writes(flags) && plumbline::fails() ? -1 : __real_openat(folder, path, flags, mode);
+  if (plumbline::writes(flags) && plumbline::fails()) return -1;
+  if ((flags & O_CREAT) != 0 && ::faccessat(folder, path, F_OK, AT_SYMLINK_NOFOLLOW) != 0) plumbline::note_name(folder);
+  return __real_openat(folder, path, flags, mode);
 }
 int __wrap_fsync(int file) { return plumbline::fails(file) ? -1 : plumbline::note_durable(file, __real_fsync(file)); }
 int __wrap_fdatasync(int file) {
@@ -166,8 +180,12 @@ int __wrap_renameat(int folder, const char* from, int to_folder, const char* to)
   return __real_renameat(folder, from, to_folder, to);
 }
 int __wrap_unlinkat(int folder, const char* path, int flags) {
-  return plumbline::judge(Calls::kRemovals, folder) != plumbline::Verdict::kPass ? -1
-                                                                                 : __real_unlinkat(folder, path, flags);
+  if (plumbline::judge(Calls::kRemovals, folder) != plumbline::Verdict::kPass) return -1;
+  const int removed = __real_unlinkat(folder, path, flags);
+  const int reason = errno;
+  if (removed == 0) plumbline::note_name(folder);
+  errno = reason;
+  return removed;
 }
 int __wrap_close(int file) {
   const bool failed = plumbline::fails(file);

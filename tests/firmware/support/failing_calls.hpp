@@ -27,6 +27,8 @@ enum class Failure : std::uint8_t {
 
 /// Files and folders that were changed since a FailingCall with kPowerCut began, and are not durable.
 std::size_t not_durable();
+/// Folders in which a file was made or removed since then, and which were not made durable since.
+std::size_t names_not_durable();
 
 /// From construction to destruction. One at a time.
 class FailingCall {

@@ -16,6 +16,7 @@
 
 #include "firmware/daemon/upload/upload_store.hpp"
 #include "firmware/io/file_source.hpp"
+#include "firmware/io/output_file.hpp"
 #include "firmware/print/print_session.hpp"
 #include "firmware/slice/slice_job.hpp"
 #include "hal/sim/sim_machine.hpp"
@@ -136,6 +137,28 @@ INSTANTIATE_TEST_SUITE_P(Slicing, WriteFailure, ::testing::ValuesIn(kWriteFailur
                      : failure.param == Failure::kDiskFull ? "DiskFull"
                                                            : "Short");
 });
+
+TEST(WholeFile, IsWrittenWholeOrNotAtAllWhicheverCallFails) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "report.json", text(5000, 'x');
+  std::uint32_t failed = 0;
+  for (const Calls calls : {Calls::kWrites, Calls::kFiles}) {
+    for (const Failure failure : {Failure::kIoError, Failure::kDiskFull, Failure::kShort, Failure::kStaysFull}) {
+      failed += for_each_call(calls, failure, [&](std::uint32_t nth, Calls these, Failure with) {
+        write_text(path, "the report before");
+        const FailingCall call(these, nth, with);
+        const auto written = write_whole_file(path.c_str(), [&](TextSink& out) -> Status {
+          for (std::size_t at = 0; at < text.size(); at += 1000) PLUMBLINE_TRY(out.write(text.substr(at, 1000)));
+          return {};
+        });
+        EXPECT_EQ(files_in(folder / "."), written ? (std::map<std::string, std::string>{{"report.json", text}})
+                                                  : (std::map<std::string, std::string>{}));
+        return call.happened();
+      });
+    }
+  }
+  EXPECT_GT(failed, 20U);
+}
 
 TEST_F(SlicingFailure, ToCreateCloseOrRenameAFileLeavesNothingBehind) {
   settings_.preview = false;
@@ -280,6 +303,53 @@ TEST_F(PrintingFailure, OfAnyOtherCallOfStoreAndJournalDoesTheSame) {
   failed_ = 0;
   for_each_call(Calls::kWrites, Failure::kCutInHalf, attempt);
   EXPECT_EQ(failed_, 0U);
+}
+
+/// Counts what is not durable whenever a print says how far it is.
+class DurabilityObserver final : public PrintObserver {
+ public:
+  bool update(const PrintStatus& status) override {
+    if (status.state == PrintState::kPrinting) {
+      ++looks;
+      most = std::max(most, not_durable());
+    }
+    return true;
+  }
+  void checked(Check /*check*/, const CheckResult& /*result*/) override {}
+  std::size_t most = 0, looks = 0;
+};
+
+TEST_F(PrintingFailure, OfThePowerLosesNothingOfWhatWasStored) {
+  auto store = JobStore::open(state());
+  ASSERT_TRUE(store);
+  auto scan = FileSource::open(folder_ / "ball.ply");
+  ASSERT_TRUE(scan);
+  Plant plant(session_plant());
+  SimMachine run(plant);
+  Machine machine = run.machine();
+  Arena arena(block);
+  PrintSession session(board_, machine_file_, arena, &*store);
+  const FailingCall counted(Calls::kAll, 0, Failure::kPowerCut);
+  ASSERT_TRUE(session.slice_scan(*scan, slicing_, std::nullopt, rig_profile(), nullptr));
+  EXPECT_EQ(not_durable() + names_not_durable(), 0U) << "job, journal and their names";
+  DurabilityObserver observer;
+  const auto& report = session.print(machine, observer);
+  EXPECT_EQ(report.state, PrintState::kFinished);
+  EXPECT_GE(observer.looks, report.layers);
+  EXPECT_EQ(observer.most, 0U) << "a layer's record is durable before anything else happens";
+}
+
+TEST(MachineRecordPowerCut, LeavesWhatWasSaidOfPlateAndTank) {
+  const TemporaryFolder folder;
+  auto record = MachineRecord::open(folder / ".", 100);
+  ASSERT_TRUE(record);
+  const FailingCall counted(Calls::kAll, 0, Failure::kPowerCut);
+  ASSERT_TRUE(record->confirm_empty());
+  EXPECT_EQ(not_durable() + names_not_durable(), 0U);
+  ASSERT_TRUE(record->fill(80));
+  EXPECT_EQ(not_durable() + names_not_durable(), 0U);
+  ASSERT_TRUE(record->begin_print(77, {.pixel_ml = 1e-5}));
+  EXPECT_EQ(not_durable() + names_not_durable(), 0U) << "else the next start takes a plate with a part for empty";
 }
 
 /// Keeps a scan in the store of uploads, in place of another one.

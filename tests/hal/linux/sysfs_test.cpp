@@ -199,7 +199,7 @@ TEST_F(Sysfs, PrefersAStickFirstPartitionToTheWholeMedium) {
     write(block + "sdb/sdb" + number + "/size", "1000");
   }
   write(block + "sdb/sdb5/partition", "5");
-  write(block + "sdb/sdb5/size", "0");
+  write(block + "sdb/sdb5/size", "2");  // an extended partition, which holds the tenth
   fs::create_directories(root_ / (block + "sdb/queue"));
   EXPECT_THAT(block_devices(device), testing::ElementsAre("/dev/sdb2", "/dev/sdb10", "/dev/sdb"));
 }

@@ -44,6 +44,24 @@ TEST(Plant, AcceptsACarefulPrintAndKeepsThePart) {
   EXPECT_EQ(k, 20U);
 }
 
+TEST(Plant, LightsNothingThroughAMaskThatDidNotCome) {
+  Plant plant(small_printer({"panel.flip_timeout@t=1s"}));
+  SimMachine simulated(plant);
+  const Machine machine = simulated.machine();
+  const auto present = [&] {
+    auto mask = machine.mask.lend();
+    EXPECT_TRUE(mask);
+    draw_random(1, mask->image());
+    return machine.mask.present(std::move(*mask));
+  };
+  ASSERT_TRUE(present());
+  plant.wait(2s);
+  EXPECT_EQ(present().error().code(), ErrorCode::kFlipTimeout);
+  EXPECT_FALSE(machine.mask.presented());
+  EXPECT_EQ(machine.lamp.begin_exposure(1s).error().code(), ErrorCode::kMaskNotPresented);
+  EXPECT_THAT(plant.lights(), IsEmpty());
+}
+
 TEST(Plant, RunsTheSameEveryTime) {
   std::vector<std::string> runs;
   for (int run = 0; run < 2; ++run) {

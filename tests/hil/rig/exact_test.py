@@ -58,7 +58,7 @@ class ExactPrint(rig.Rig):
         self.machine.set_line(COVER, 0)
         self.until("press start to go on")
         self.assertEqual(len(self.stage.lights), 3)
-        self.press_start()
+        self.press_start_until("layer 3 of", after="press start to go on")
         # The rest of the layer comes after the pause's lift, which is 10 mm (quick.toml).
         self.prints(cut=2, but=[f"light 2: {95 + 2 * 500} steps before it and not 95"])
         lit = self.exposures()

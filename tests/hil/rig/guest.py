@@ -254,7 +254,8 @@ def make_stick(path, files, damaged=False, folders=()):
     command = [mkfs, "-F", "32", "-n", "STICK", "--offset", str(first), str(path), str((sectors - first) // 2)]
     subprocess.run(command, check=True, capture_output=True)
     for file in files:
-        subprocess.run(["mcopy", "-i", f"{path}@@1M", file, "::/"], check=True)
+        os.utime(file, (1.7e9, 1.7e9))  # all equally old, so that they are listed by name
+        subprocess.run(["mcopy", "-m", "-i", f"{path}@@1M", file, "::/"], check=True)
     for folder in folders:
         subprocess.run(["mmd", "-i", f"{path}@@1M", f"::/{folder}"], check=True)
     if damaged:

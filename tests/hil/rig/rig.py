@@ -133,7 +133,7 @@ class Rig(unittest.TestCase):
         self.plugged, self.stage = None, None
         self.machine.set_line(COVER, 0)
         self.machine.set_line(START, 0)
-        self.run_in_guest("rm -rf /state/*; touch /state/plate-is-empty; echo > /sys/kernel/tracing/trace")
+        self.run_in_guest("rm -rf /state/*; touch /state/plate-is-empty /state/tank-is-full; echo > /sys/kernel/tracing/trace")
 
     def tearDown(self):
         if any(error for _, error in getattr(self._outcome, "errors", [])) or not self._outcome.success:
@@ -225,10 +225,13 @@ class Rig(unittest.TestCase):
         time.sleep(0.15)
         self.machine.set_line(START, 0)
 
-    def press_start_until(self, words):
-        """Presses start again and again: the daemon ignores a press in the first second after its question."""
+    def press_start_until(self, words, after=""):
+        """
+        Presses start again and again: the daemon ignores a press in the first second after its question.
+        @param after  only what the log says after the last of these words counts
+        """
         end = time.monotonic() + PATIENCE
-        while words not in self.log():
+        while words not in (self.log().rpartition(after)[2] if after else self.log()):
             self.assertLess(time.monotonic(), end, self.log()[-2000:])
             self.press_start()
             time.sleep(1)

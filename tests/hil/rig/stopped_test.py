@@ -90,7 +90,7 @@ class Stopped(rig.Rig):
             self.assertLess(time.monotonic(), until, "the watchdog does not reset the board")
             time.sleep(0.05)
         self.boot()
-        self.run_in_guest("touch /state/plate-is-empty")  # the state was in memory
+        self.run_in_guest("touch /state/plate-is-empty /state/tank-is-full")  # the state was in memory
         self.pull()
         self.assertFalse(self.machine.level.get(LAMP, False))
         self.follow()

@@ -49,7 +49,7 @@ class Systemd(rig.Rig):
 
     def setUp(self):
         self.plugged, self.stage = None, None
-        self.run_in_guest(f"rm -rf {STATE}; mkdir {STATE}; touch {STATE}/plate-is-empty; chown -R plumbline:plumbline {STATE};"
+        self.run_in_guest(f"rm -rf {STATE}; mkdir {STATE}; touch {STATE}/plate-is-empty {STATE}/tank-is-full; chown -R plumbline:plumbline {STATE};"
                           "systemctl reset-failed")
         if self.machine.run("systemctl start plumblined")[0]:
             self.fail("plumblined does not start:\n" + self.journal())

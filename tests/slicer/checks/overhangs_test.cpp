@@ -11,7 +11,7 @@ namespace {
 using namespace testing;
 
 /// A pixel stays if all pixels of the plus round it are white or outside of the box.
-Pixels eroded_by_definition(const Pixels& fresh, const PixelBox& box, int reach) {
+Pixels eroded_by_definition(const Pixels& fresh, const RegionBox& box, int reach) {
   Pixels out(fresh.columns(), fresh.rows());
   const auto fits = [&](int c, int r) {
     const bool outside = c < static_cast<int>(box.column) || c >= static_cast<int>(box.column_end) ||
@@ -33,7 +33,7 @@ TEST(ErodeFresh, IsThatOfItsDefinition) {
   for (int i = 0; i < 300; ++i) {
     const std::uint32_t columns = 1 + random.below(200);
     const std::uint32_t rows = 1 + random.below(60);
-    PixelBox box;
+    RegionBox box;
     box.column = random.below(columns);
     box.column_end = box.column + 1 + random.below(columns - box.column);
     box.row = random.below(rows);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "tests/slicer/reader/scan_fixture.hpp"
 #include "tests/slicer/support/arena_block.hpp"
@@ -25,9 +26,8 @@ TEST(CloudReader, ReleasesTheRoomThatNoPointTook) {
   };
   const CloudReading read = value_of(read_cloud(sources, settings, room_for_all, *arena, nullptr));
   EXPECT_LT(read.cloud.size, 4000U);
-  const std::uint32_t room = read.cloud.size + Cloud::spare(read.cloud.size);
-  EXPECT_EQ(read.cloud.capacity(), room);
-  EXPECT_LE(arena->used(), Cloud::kBytesPerPoint * room + 192);
+  EXPECT_EQ(read.cloud.capacity(), read.cloud.size);
+  EXPECT_LE(arena->used(), Cloud::kBytesPerSeenPoint * read.cloud.size + kMaxViews * (sizeof(Vec3f) + sizeof(bool)) + 384);
   for (std::uint32_t i = 0; i < read.cloud.size; ++i) {
     const Vec3d p = read.cloud.position[i].cast<double>() + read.offset;
     ASSERT_NEAR(p.norm(), 10, 0.2);
@@ -52,6 +52,32 @@ TEST(CloudReader, AsksForRoomOnceWithWhatAllHeadersAnnounce) {
   EXPECT_EQ(asked, 1);
   EXPECT_LE(read.cloud.size, 1500U);
   EXPECT_GT(read.averaged, 0U);
+}
+
+TEST(CloudReader, TellsFilesApart) {
+  const std::string ply = binary_ply(sphere(1000, 10, {0, 0, 0}));
+  const std::string pcd = "VERSION 0.7\nFIELDS x y z\nWIDTH 2\nVIEWPOINT 1 2 3 1 0 0 0\nDATA ascii\n0 0 99\n0 0 98\n";
+  MemorySource first(ply, "first.ply");
+  MemorySource second(pcd, "second.pcd");
+  MemorySource third(ply, "third.ply");
+  ArenaBlock arena(4 * kMiB);
+  const auto room = [&](const ScanAnnouncement&) { return Expected<std::uint32_t>(5000); };
+  ByteSource* const sources[] = {&first, &second, &third};
+  const CloudReading read = value_of(read_cloud(sources, {}, room, *arena, nullptr));
+  const CloudViews& views = read.cloud.views;
+  EXPECT_EQ(views.count, 3U);
+  EXPECT_EQ(std::vector<bool>(views.has_scanner.begin(), views.has_scanner.begin() + 3),
+            std::vector<bool>({false, true, false}));
+  EXPECT_LT((views.scanner[1].cast<double>() + read.offset - Vec3d(1, 2, 3)).norm(), 1e-5);
+  EXPECT_EQ(read.cloud.view_of(999), 0);
+  EXPECT_EQ(read.cloud.view_of(1000), 1);
+  EXPECT_EQ(read.cloud.view_of(1002), 2);
+  MemorySource alone(ply, "alone.ply");
+  ByteSource* const one[] = {&alone};
+  const Cloud cloud = value_of(read_cloud(one, {}, room, *arena, nullptr)).cloud;
+  EXPECT_TRUE(cloud.views.are_runs);
+  EXPECT_EQ(cloud.view_of(0), 0);
+  EXPECT_EQ(cloud.view_of(999), kRuns - 1);
 }
 
 TEST(CloudReader, ReturnsTheErrorOfARefusedRoomAndLeavesTheArenaAsItWas) {

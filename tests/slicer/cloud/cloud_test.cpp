@@ -26,7 +26,7 @@ TEST(Cloud, GivesTheRoomOfPointsBackThatAreNotInUse) {
       cloud.radius[i] = 3 * x;
       cloud.normal[i].weight = static_cast<std::uint8_t>(i % 200);
     }
-    check(cloud.give_back(left, *arena));
+    check(cloud.give_back(*arena));
     EXPECT_EQ(cloud.capacity(), left);
     EXPECT_LT(arena->top_used(), Cloud::kBytesPerPoint * left + 3 * Arena::kAlignment);
     for (std::uint32_t i = 0; i < left; ++i) {
@@ -36,6 +36,36 @@ TEST(Cloud, GivesTheRoomOfPointsBackThatAreNotInUse) {
       ASSERT_EQ(cloud.normal[i].weight, i % 200);
     }
   }
+}
+
+TEST(Cloud, KeepsTheViewOfEachPoint) {
+  constexpr std::uint32_t kPoints = 1000;
+  ArenaBlock arena(kMiB);
+  Cloud cloud = value_of(Cloud::create(kPoints + 50, *arena, true));
+  cloud.views.count = 200;
+  cloud.views.scanner[7] = {1, 2, 3};
+  cloud.size = kPoints;
+  const auto view_at = [](const Vec3f& p) { return static_cast<std::uint8_t>(static_cast<std::uint32_t>(p[0]) % 199); };
+  for (std::uint32_t i = 0; i < kPoints; ++i) {
+    cloud.position[i] = {static_cast<float>(i), 0, 0};
+    cloud.views.of[i] = view_at(cloud.position[i]);
+  }
+  std::vector<std::uint32_t> order(kPoints);
+  std::iota(order.begin(), order.end(), 0);
+  std::reverse(order.begin(), order.end() - 100);
+  cloud.reorder(order);
+  cloud.keep([](std::uint32_t i) { return i % 3 > 0; });
+  check(cloud.give_back(*arena));
+  ASSERT_EQ(cloud.size, 666U);
+  EXPECT_EQ(cloud.views.of.size(), 666U);
+  for (std::uint32_t i = 0; i < cloud.size; ++i) ASSERT_EQ(cloud.view_of(i), view_at(cloud.position[i]));
+  EXPECT_EQ(cloud.views.scanner[7], Vec3f(1, 2, 3));
+  cloud.average_neighbours();
+  EXPECT_EQ(cloud.view_of(0), kNoView) << "points of several views were averaged";
+  check(cloud.give_back(*arena, false));
+  const std::size_t scanners = kMaxViews * (sizeof(Vec3f) + sizeof(bool));
+  EXPECT_LT(arena->top_used(), Cloud::kBytesPerPoint * cloud.size + scanners + 5 * Arena::kAlignment)
+      << "all room is given back";
 }
 
 TEST(Cloud, ReplacesNeighboursByTheirMean) {

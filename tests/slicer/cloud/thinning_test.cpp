@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <vector>
@@ -22,7 +23,7 @@ class Thinning {
  public:
   Thinning(std::uint32_t capacity, double cell, const Mat3d& rotation = Mat3d::Identity())
       : arena_(std::size_t{capacity} * 64 + 64 * 1024),
-        cloud_(value_of(Cloud::create(capacity, *arena_))),
+        cloud_(value_of(Cloud::create(capacity, *arena_, true))),
         thinner_(cloud_, capacity, value_of(arena_->take_top<std::byte>(PointThinner::table_bytes(capacity), "test")),
                  rotation, cell) {}
   Thinning(const Thinning&) = delete;
@@ -36,6 +37,7 @@ class Thinning {
   void take(const Surface& surface) {
     for (const SurfacePoint& p : surface) check(take(p.position, p.normal));
   }
+  void begin_view(const std::optional<Vec3d>& scanner) { thinner_.begin_view({.scanner = scanner}); }
   Vec3d scan_position(std::uint32_t i) const { return cloud_.position[i].cast<double>() + thinner_.offset(); }
   const Cloud& cloud() const { return cloud_; }
   const PointThinner& thinner() const { return thinner_; }
@@ -238,6 +240,37 @@ TEST(PointThinner, AcceptsAnyNumberOfPointsInOnePlace) {
     EXPECT_LT((thinning.scan_position(0) - Vec3d(1, 2, 3)).norm(), 1e-6);
     EXPECT_LT((thinning.cloud().normal[0].unpack() - Vec3f(0, 0, -1)).norm(), 1e-4F);
   }
+}
+
+TEST(PointThinner, KnowsTheViewOfEachPoint) {
+  Mat3d quarter;
+  quarter << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  Thinning thinning(2000, 0, quarter);
+  const auto place = [](double v) { return Vec3d(10 * v, 5, -7); };
+  for (int v = 0; v < 300; ++v) {
+    const bool known = v != 3;
+    thinning.begin_view(known ? std::optional(place(v)) : std::nullopt);
+    if (v == 4) continue;  // nothing was seen
+    for (int k = 0; k < 5; ++k) check(thinning.take({100.0 + v, k * 1.0, 0}));
+  }
+  thinning.begin_view(std::nullopt);
+  check(thinning.take({0, 0, 0}));
+  thinning.begin_view(place(12.4));
+  check(thinning.take({0, 0, 1}));
+  const CloudViews& views = thinning.cloud().views;
+  ASSERT_EQ(views.count, kMaxViews);
+  EXPECT_FALSE(views.has_scanner[3]);
+  for (const std::uint32_t v : {0U, 2U, 4U, 254U}) {  // view 4 has no number
+    const double asked = v < 4 ? v : v + 1;
+    EXPECT_TRUE(views.has_scanner[v]);
+    const Vec3d in_scan = quarter.transpose() * (views.scanner[v].cast<double>() + thinning.thinner().offset());
+    EXPECT_LT((in_scan - place(asked)).norm(), 1e-4);
+    EXPECT_EQ(thinning.cloud().view_of(5 * v), v);
+    EXPECT_EQ(thinning.cloud().view_of(5 * v + 4), v);
+  }
+  EXPECT_EQ(thinning.cloud().view_of(5 * 280), 254) << "the nearest of those that there are";
+  EXPECT_EQ(thinning.cloud().view_of(5 * 299), kNoView);
+  EXPECT_EQ(thinning.cloud().view_of(5 * 299 + 1), 11) << "that of view 12";
 }
 
 TEST(PointThinner, IgnoresAMissingNormalWhenItAverages) {

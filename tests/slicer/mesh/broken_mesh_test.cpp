@@ -84,7 +84,6 @@ TEST(BrokenMesh, IsDecidedByItsWindingNumber) {
   settings.base = BaseChoice::kNone;
   for (const Damage& damage : damages()) {
     const Slicing broken = sliced(damage.mesh, settings);
-    EXPECT_FALSE(broken.report().mesh->closed) << damage.name;
     // Only where there is damage can the surface be off.
     EXPECT_EQ(wrong(broken,
                     [&](const Vec3d& p) {
@@ -131,10 +130,9 @@ TEST(BrokenMesh, TurnedFacesAreNoDamageWhereSolidsLieApart) {
   for (const std::size_t face : {0U, 11U, 12U, 22U, 24U, 35U}) {
     const Slicing slicing = sliced(object([&](TestMesh& mesh) { flip(mesh, face, face + 1); }), settings);
     const MeshCounts& counts = *slicing.report().mesh;
-    EXPECT_FALSE(counts.closed);
-    EXPECT_TRUE(counts.turned);
-    EXPECT_GT(counts.broken_rays, 0U);
-    EXPECT_EQ(counts.decided_rays, 0U);
+    EXPECT_TRUE(counts.closed);
+    EXPECT_EQ(counts.turned, 1U);
+    EXPECT_EQ(counts.broken_rays, 0U);
     EXPECT_EQ(wrong(slicing, inside), 0U) << "face " << face;
   }
 }
@@ -144,7 +142,8 @@ TEST(BrokenMesh, DoubledFacesAreNoDamage) {
   append(mesh, box_mesh({2, 2, 2}, {8, 8, 8}));
   for (const std::size_t face : {0U, 11U, 12U, 23U}) mesh.faces.push_back(mesh.faces[face]);
   const Slicing slicing = sliced(mesh, settings_with_pitch(0.2F));
-  EXPECT_FALSE(slicing.report().mesh->closed);
+  EXPECT_TRUE(slicing.report().mesh->closed);
+  EXPECT_EQ(slicing.report().mesh->dropped, 4U);
   EXPECT_EQ(slicing.report().mesh->broken_rays, 0U);
   EXPECT_EQ(wrong(slicing, [](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}); }), 0U);
 }
@@ -187,9 +186,11 @@ TEST(BrokenMesh, IsWholeAgainWhereSingleFacesAreMissingDoubledOrTurnedOver) {
     }
     const Slicing slicing = sliced(mesh, settings);
     const MeshCounts& counts = *slicing.report().mesh;
-    EXPECT_FALSE(counts.closed) << damage;
-    EXPECT_FALSE(counts.turned) << damage;
-    EXPECT_GT(counts.closed_holes, 1U) << damage;
+    const auto some = [](bool yes) { return yes ? 12U : 0U; };
+    EXPECT_EQ(counts.closed, !(all || kind == "missing")) << damage;
+    EXPECT_EQ(counts.turned, some(all || kind == "turned over")) << damage;
+    EXPECT_EQ(counts.dropped, some(all || kind == "doubled")) << damage;
+    EXPECT_EQ(counts.closed_holes, all || kind == "missing" ? 2U : 0U) << damage;
     EXPECT_EQ(counts.decided_rays, 0U) << damage;
     EXPECT_EQ(voxels(slicing), voxels(undamaged)) << damage;
   }
@@ -214,13 +215,13 @@ TEST(BrokenMesh, KeepsLoneTrianglesWhoseCornersDoNotMeet) {
   EXPECT_EQ(wrong(slicing, [](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}, 0.3); }), 0U);
 }
 
-TEST(BrokenMesh, AsksTheWindingNumberOfTurnedFacesWhereSolidsLieInEachOther) {
+TEST(BrokenMesh, TurnedFacesAreNoDamageWhereSolidsLieInEachOther) {
   TestMesh mesh = fine_box();
   append(mesh, box_mesh({2, 2, 2}, {8, 8, 8}));
   flip(mesh, 100, 101);
   const Slicing slicing = sliced(mesh, settings_with_pitch(0.2F));
-  EXPECT_FALSE(slicing.report().mesh->turned);
-  EXPECT_EQ(wrong(slicing, [](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}, 0.5); }), 0U);
+  EXPECT_EQ(slicing.report().mesh->turned, 1U);
+  EXPECT_EQ(wrong(slicing, [](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}); }), 0U);
 }
 
 TEST(BrokenMesh, LeavesOutAndCountsTrianglesThatAreNotFinite) {

@@ -264,7 +264,7 @@ TEST(SliceMesh, OneWrongFaceIsAnErrorAndNoScan) {
   const std::tuple<const char*, std::string, ErrorCode, const char*> cases[] = {
       {"a.obj", obj + "f 1 2 x\n", ErrorCode::kMalformed, "expected the number of a vertex, found 'x'"},
       {"a.obj", obj + "f 1 2 9999999\n", ErrorCode::kMalformed, "a face names vertex 9999999"},
-      {"a.ply", ply.substr(0, ply.size() - 40), ErrorCode::kTruncated, "expected a face, found"},
+      {"a.ply", ply.substr(0, ply.size() - 40), ErrorCode::kTruncated, "faces that its header declares"},
   };
   for (const auto& [name, bytes, code, text] : cases) {
     ArenaBlock arena(kArena);

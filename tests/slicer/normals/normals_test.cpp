@@ -95,7 +95,7 @@ class NormalsTest : public ::testing::Test {
       ADD_FAILURE() << filled.error().message();
       return 0;
     }
-    return *filled;
+    return filled->estimated;
   }
 
   double cosine(std::uint32_t i) const { return cloud_.normal[i].unpack().cast<double>().dot(surface_[i].normal); }

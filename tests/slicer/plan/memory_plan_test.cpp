@@ -133,10 +133,11 @@ TEST(MemoryPlan, CoversWhatEachStageUses) {
 
 struct PlannedJob {
   const char* scan;
-  Surface surface;
+  Surface surface;  ///< the file; further ones are in `more`
   bool confidence = false;
   std::optional<PrinterVolume> printer = std::nullopt;
   std::size_t arena_mib = 64;
+  std::vector<Surface> more = {};
 };
 
 std::vector<PlannedJob> jobs_of_several_kinds() {
@@ -167,9 +168,13 @@ std::vector<PlannedJob> jobs_of_several_kinds() {
   jobs.push_back({"half of a panel", half, false, panel});
   jobs.push_back({"half of a panel, thinned", half_a_panel(0.1, 360, 640, 4 * kPoints), false, panel, 10});
   jobs.push_back({"half of a panel, joined further", half_a_panel(0.1, 360, 640, 3 * kPoints, 0), false, panel, 10});
-  Surface views = scan_ellipsoid({}, 1).surface;
-  for (SurfacePoint& p : views) p.position += Vec3d(30, 30, 30);
-  jobs.push_back({"of several views", views});
+  const ScannedViews scan = scan_ellipsoid({}, 1);
+  std::vector<Surface> views(12);
+  for (std::size_t i = 0; i < scan.view.size(); ++i) {
+    views[scan.view[i]].push_back({scan.surface[i].position + Vec3d(30, 30, 30), scan.surface[i].normal});
+  }
+  jobs.push_back({"of several views", views[0]});
+  jobs.back().more.assign(views.begin() + 1, views.end());
   return jobs;
 }
 
@@ -178,9 +183,15 @@ TEST(MemoryPlan, IsWithinFivePerCentOfTheMostThatAJobUses) {
     SliceSettings settings = settings_with_pitch(0.1F);
     settings.placement.printer = job.printer;
     settings.confidence = job.confidence;
-    const Slicing sliced(binary_ply(job.surface), settings, job.arena_mib * kMiB);
+    std::vector<std::string> content = {binary_ply(job.surface)};
+    for (const Surface& view : job.more) content.push_back(binary_ply(view));
+    std::vector<MemorySource> files;
+    for (const std::string& bytes : content) files.emplace_back(bytes, "test.ply");
+    std::vector<ByteSource*> sources;
+    for (MemorySource& file : files) sources.push_back(&file);
+    const Slicing sliced(sources, settings, job.arena_mib * kMiB);
     const SliceReport& report = sliced.report();
-    EXPECT_EQ(report.views.views > 0, std::string_view(job.scan) == "of several views") << job.scan;
+    EXPECT_EQ(report.lengths.views_moved.value > 0, !job.more.empty()) << job.scan;
     const auto most = [](const auto& bytes) { return static_cast<double>(*std::ranges::max_element(bytes)); };
     const double used = most(report.peak_bytes);
     const double planned = most(report.planned_bytes);

@@ -92,6 +92,13 @@ class RepeatingSource final : public ByteSource {
   std::uint64_t position_ = 0;
 };
 
+/// A view that a reader has begun.
+struct BegunView {
+  std::size_t first_point = 0;
+  std::optional<Vec3d> scanner;
+  bool operator==(const BegunView&) const = default;
+};
+
 /// Keeps everything, and notes violations of PointSink's rules.
 class CollectingSink final : public PointSink {
  public:
@@ -100,8 +107,13 @@ class CollectingSink final : public PointSink {
     header = scan;
     return refuse_begin ? Status(fail(ErrorCode::kOutOfMemory, "no room for the cloud")) : Status();
   }
+  void begin_view(const ScanView& view) override {
+    if (begun == 0 || !header.has_views) complaint = "a view that the header doesn't announce";
+    views.push_back({points.size(), view.scanner});
+  }
   Status take(std::span<const ScanPoint> batch) override {
     if (begun == 0) complaint = "points before begin";
+    if (header.has_views && views.empty()) complaint = "points before their view";
     if (batch.empty()) complaint = "an empty batch";
     points.insert(points.end(), batch.begin(), batch.end());
     largest_batch = std::max(largest_batch, batch.size());
@@ -114,6 +126,7 @@ class CollectingSink final : public PointSink {
 
   ScanHeader header;
   std::vector<ScanPoint> points;
+  std::vector<BegunView> views;
   std::vector<double> fractions;
   std::size_t largest_batch = 0;
   int begun = 0;

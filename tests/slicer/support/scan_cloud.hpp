@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -25,8 +26,15 @@ inline void check(const Status& status) {
 }
 
 /// @param radius  of every point
-inline Cloud cloud_of(const Surface& surface, Arena& arena, float radius = 0) {
-  Cloud cloud = value_of(Cloud::create(static_cast<std::uint32_t>(surface.size()), arena));
+/// @param views   of each point, which its scanner's place is not known of; empty: none
+inline Cloud cloud_of(const Surface& surface, Arena& arena, float radius = 0,
+                      std::span<const std::uint8_t> views = {}) {
+  Cloud cloud = value_of(Cloud::create(static_cast<std::uint32_t>(surface.size()), arena, !views.empty()));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    cloud.views.of[i] = views[i];
+    if (views[i] != kNoView) cloud.views.count = std::max(cloud.views.count, views[i] + 1U);
+  }
+  std::ranges::fill(cloud.views.has_scanner, false);
   for (const SurfacePoint& p : surface) {
     cloud.position[cloud.size] = p.position.cast<float>();
     cloud.normal[cloud.size] = PackedNormal{};

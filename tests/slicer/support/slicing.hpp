@@ -17,6 +17,8 @@ namespace plumbline::testing {
 
 class Slicing {
  public:
+  Slicing(ScanSources sources, const SliceSettings& settings, std::size_t arena_bytes)
+      : arena_(arena_bytes), rrep_(value_of(slice(sources, settings, *arena_, nullptr, report_))) {}
   Slicing(ByteSource& source, const SliceSettings& settings, std::size_t arena_bytes)
       : arena_(arena_bytes), rrep_(value_of(slice(source, settings, *arena_, nullptr, report_))) {}
   Slicing(const std::string& bytes, const SliceSettings& settings, std::size_t arena_bytes)

@@ -153,7 +153,7 @@ struct Braced {
   ArenaBlock arena{16 * kMiB};
   std::vector<Strut> struts;
   std::vector<Pillar> pillars{8};
-  std::vector<Contact> contacts{64};
+  std::vector<StrutContact> contacts{64};
   BraceCounts counts;
   std::size_t spare = 0;
 };

@@ -87,17 +87,5 @@ TEST(JoinedPoints, AreAsFewAsThereIsRoomFor) {
   for (std::uint32_t i = 0; i < cloud.size; ++i) EXPECT_NEAR(cloud.position[i].norm(), 3, 0.005F);
 }
 
-TEST(JoinedPoints, LeaveContinuedPointsAlone) {
-  ArenaBlock arena(16 * kMiB);
-  Random random(3);
-  Cloud cloud = sorted_cloud(sheet({0, 0, 0}, {5, 0, 0}, {0, 5, 0}, kSpacing, 0.3, random), *arena);
-  cloud.continued = 40;
-  const Vec3f last = cloud.position[cloud.size - 1];
-  join_points(cloud);
-  EXPECT_EQ(cloud.continued, 40U);
-  EXPECT_EQ(cloud.position[cloud.size - 1], last);
-  for (std::uint32_t i = cloud.seen(); i < cloud.size; ++i) EXPECT_EQ(cloud.normal[i].weight, 1);
-}
-
 }  // namespace joined_points_test
 }  // namespace plumbline

@@ -1,7 +1,6 @@
 #pragma once
 /// An ellipsoid as cameras see it: noise moves each point along the ray of its pixel, and each view is slightly off.
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -12,7 +11,7 @@ namespace plumbline::testing {
 
 struct ScannedViews {
   Surface surface;
-  std::vector<Vec3d> unmoved;      ///< each point without the ripple and motion of its view, mm
+  std::vector<Vec3d> unmoved;      ///< each point without the motion of its view, mm
   std::vector<std::uint8_t> view;  ///< view of each point
 };
 
@@ -22,9 +21,6 @@ struct Cameras {
   double noise = 0.05;       ///< standard deviation along the ray, mm
   double shift = 0.05;       ///< standard deviation over the views along each axis, mm
   double turn = 0.002;       ///< standard deviation over the views about each axis, radians
-  double lens = 0;           ///< radial distortion, as a share at the edge of the ellipsoid
-  double wobble = 0;         ///< of rows and columns, as of a scanner that is swept by hand; amplitude in pixels
-  double ripple = 0;         ///< amplitude along the ray of each view's two waves of 4 to 8 mm, mm
 };
 
 inline const Vec3d kEllipsoid = {20, 15, 12};  ///< semi-axes, mm
@@ -53,19 +49,9 @@ inline ScannedViews scan_ellipsoid(const Cameras& cameras, std::uint32_t seed) {
     const Vec3d ahead = -stations[v].normal;
     const Vec3d right = ahead.cross(Vec3d(0.3, 0.2, 0.9)).normalized();
     const Vec3d down = ahead.cross(right);
-    std::array<Vec3d, 2> waves;
-    std::array<double, 2> phases = {};
-    for (std::size_t k = 0; k < waves.size() && cameras.ripple > 0; ++k) {
-      const double angle = random.uniform() * 2 * kPi;
-      waves[k] = (right * std::cos(angle) + down * std::sin(angle)) * 2 * kPi / (4 + 4 * random.uniform());
-      phases[k] = random.uniform() * 2 * kPi;
-    }
     for (int j = -half; j <= half; ++j) {
       for (int i = -half; i <= half; ++i) {
-        const double bent = 1 + cameras.lens * (i * i + j * j) / (half * half);
-        const double u = i + cameras.wobble * std::sin(0.07 * j + v);
-        const double w = j + cameras.wobble * std::sin(0.09 * i + v);
-        const Vec3d ray = (ahead * kDistance + (right * u + down * w) * (cameras.pixel * bent)).normalized();
+        const Vec3d ray = (ahead * kDistance + (right * i + down * j) * cameras.pixel).normalized();
         // |(eye + t ray) / axes| = 1
         const Vec3d e = eye.cwiseQuotient(kEllipsoid);
         const Vec3d r = ray.cwiseQuotient(kEllipsoid);
@@ -78,11 +64,7 @@ inline ScannedViews scan_ellipsoid(const Cameras& cameras, std::uint32_t seed) {
         const Vec3d seen = at + ray * (cameras.noise * random.normal());
         scan.unmoved.push_back(seen);
         scan.view.push_back(static_cast<std::uint8_t>(v));
-        Vec3d rippled = seen;
-        for (std::size_t k = 0; k < waves.size() && cameras.ripple > 0; ++k) {
-          rippled += ray * (cameras.ripple * std::sin(waves[k].dot(at) + phases[k]));
-        }
-        scan.surface.push_back({rippled + (turns[v] - mean_turn).cross(seen) + shifts[v] - mean_shift, normal});
+        scan.surface.push_back({seen + (turns[v] - mean_turn).cross(seen) + shifts[v] - mean_shift, normal});
       }
     }
   }

@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kStage = "reading E57";
 
 /// More scans or fields than any scanner writes for an object that can be printed.
-constexpr std::size_t kMostScans = 192;
+constexpr std::size_t kMostE57Scans = 192;
 
 /// Follows the elements e57Root / data3D / scan / pose and points.
 class E57Document final : public XmlHandler {
@@ -128,6 +128,7 @@ class E57Document final : public XmlHandler {
       if (name == kSpherical[a]) return &spherical_[a];
       if (name.ends_with(kNormal[a])) return &normal_[a];  // whatever the prefix of the extension is
     }
+    if (name == "rowIndex" || name == "columnIndex") scan_.is_placed = true;
     if (name == "cartesianInvalidState") return &cartesian_invalid_;
     if (name == "sphericalInvalidState") return &spherical_invalid_;
     return nullptr;
@@ -180,6 +181,7 @@ class E57Document final : public XmlHandler {
     const auto rotation = rotation_of(w, x, y, z);
     if (!rotation) return parser_->complain("a pose has a rotation of length 0");
     scan_.pose.rotation = *rotation;
+    scan_.is_placed |= scan_.is_spherical || scan_.pose.translation != Vec3d::Zero() || *rotation != Mat3d::Identity();
     if (count_ == room_.size()) return parser_->complain("more than %zu scans", room_.size());
     room_[count_++] = scan_;
   }
@@ -219,7 +221,7 @@ Expected<std::span<E57Scan>> parse_xml(E57Pages& pages, std::uint64_t bytes, std
 }  // namespace
 
 Expected<std::span<E57Scan>> read_e57_xml(E57Pages& pages, std::uint64_t bytes, Arena& memory) {
-  const auto room = memory.take_bottom<E57Scan>(kMostScans, kStage);
+  const auto room = memory.take_bottom<E57Scan>(kMostE57Scans, kStage);
   PLUMBLINE_TRY(room);
   std::uninitialized_default_construct(room->begin(), room->end());
   const std::size_t mark = memory.bottom_mark();

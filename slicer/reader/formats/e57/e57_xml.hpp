@@ -34,6 +34,7 @@ struct E57Scan {
   std::size_t streams = 0;    ///< fields in the file
   bool is_spherical = false;  ///< x, y, z are range, azimuth and elevation: m, radians
   ScanPose pose;              ///< to the file's frame, m
+  bool is_placed = false;     ///< its own frame is known to be the scanner's: the pose is not that of a merged cloud
   std::array<E57Field, kE57Slots> field;
 
   bool has_normals() const { return field[kE57Nx].kind != E57Field::Kind::kNone; }

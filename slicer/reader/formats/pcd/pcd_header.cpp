@@ -1,6 +1,7 @@
 #include "slicer/reader/formats/pcd/pcd_header.hpp"
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "slicer/core/words/plural.hpp"
@@ -74,7 +75,10 @@ class HeaderParser {
     if (keyword == "WIDTH") return parse_number(words.next(), width_);
     if (keyword == "HEIGHT") return parse_number(words.next(), height_);
     if (keyword == "POINTS") return parse_number(words.next(), points_);
-    if (keyword == "VIEWPOINT") return {};  // the scanner's pose; points are not relative to it
+    if (keyword == "VIEWPOINT") {
+      parse_viewpoint(words);
+      return {};
+    }
     return expected("a line of a PCD header", keyword);
   }
 
@@ -131,6 +135,18 @@ class HeaderParser {
     return {};
   }
 
+  /// The scanner's place and its turn as a quaternion, in the frame of the points. It is no reason to refuse a file.
+  void parse_viewpoint(LineWords& words) {
+    std::array<double, 7> numbers = {};
+    for (double& number : numbers) {
+      const auto word = words.next();
+      const char* const end = word.data() + word.size();
+      if (word.empty() || parse_real(word.data(), end, number) != end || !std::isfinite(number)) return;
+    }
+    constexpr std::array<double, 7> kDefault = {0, 0, 0, 1, 0, 0, 0};
+    if (numbers != kDefault) header_.scanner = {numbers[0], numbers[1], numbers[2]};
+  }
+
   Status parse_data(std::string_view word) {
     if (word == "ascii") {
       header_.data = PcdData::kAscii;
@@ -172,6 +188,9 @@ class HeaderParser {
                                  : !layout_.has(kY) ? "y"
                                                     : "z");
     }
+    // Most programs write the default because they don't know the place. But points in rows and columns come from a sensor, at the origin.
+    const bool organized = width_.value_or(0) > 1 && height_.value_or(0) > 1;
+    if (organized && !header_.scanner) header_.scanner = Vec3d::Zero();
     header_.fields = room_.first(used_);
     header_.layout = layout_;
     return header_;

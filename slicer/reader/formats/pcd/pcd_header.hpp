@@ -2,6 +2,7 @@
 /// The header of a PCD file.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "slicer/core/arena.hpp"
@@ -27,6 +28,7 @@ struct PcdHeader {
   std::uint64_t points = 0;
   std::span<const PcdField> fields;  ///< in the order of the file
   RecordLayout layout;               ///< of one point
+  std::optional<Vec3d> scanner;      ///< see ScanView
 };
 
 /// Reads up to and including the line `DATA`.

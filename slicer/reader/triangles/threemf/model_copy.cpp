@@ -37,12 +37,20 @@ std::uint64_t read_number(const std::byte*& at) {
 
 }  // namespace
 
-Status add_placed(const Triangle& corners, std::span<const Affine> places, double unit_mm, TriangleBatch& batch) {
-  for (const Affine& place : places) {
+Status PlacedTriangles::add(const Triangle& corners) {
+  if (number_ >= end_) role_ = parts_.role_of(mesh_, number_, end_);
+  ++number_;
+  for (const MeshInstance& instance : parts_.instances()) {
+    const VolumeRole role = std::max(role_, instance.role);
+    if (role == VolumeRole::kIgnored) continue;
+    if (parts_.has_negative()) {
+      PLUMBLINE_TRY(batch_.begin_body(BodyLabel(instance.item, role == VolumeRole::kNegative)));
+    }
+    const Affine& place = instance.place;
     Triangle t;
-    for (std::size_t k = 0; k < 3; ++k) t[k] = place(corners[k]) * unit_mm;
+    for (std::size_t k = 0; k < 3; ++k) t[k] = place(corners[k]) * unit_mm_;
     if (place.linear.determinant() < 0) std::swap(t[1], t[2]);
-    PLUMBLINE_TRY(batch.add(t));
+    PLUMBLINE_TRY(batch_.add(t));
   }
   return {};
 }
@@ -116,7 +124,7 @@ ModelCopy::Object ModelCopy::object_at(std::size_t& at) const {
   return object;
 }
 
-bool ModelCopy::finish(ModelParts& parts, double unit_mm, std::uint64_t bytes) {
+bool ModelCopy::finish(ModelParts& parts, double unit_mm, std::uint64_t bytes, const UnusedSettings& project) {
   close_object();
   end_ = used_;
   for (std::size_t at = 0; at < end_ && is_whole_;) {
@@ -125,13 +133,18 @@ bool ModelCopy::finish(ModelParts& parts, double unit_mm, std::uint64_t bytes) {
     if (!is_new || (head.is_solid && parts.find_instances(head.key) != ModelParts::Found::kAll)) give_up();
   }
   const auto places = parts.places();
-  std::byte* const copy = take(places.size_bytes());
+  const auto volumes = parts.volumes();
+  std::byte* const copy = take(places.size_bytes() + volumes.size_bytes());
   if (copy == nullptr) {
     parts.forget_declared();
     return false;
   }
   std::ranges::uninitialized_copy(places, std::span(reinterpret_cast<ModelParts::Place*>(copy), places.size()));
+  std::ranges::uninitialized_copy(
+      volumes, std::span(reinterpret_cast<ModelParts::Volume*>(copy + places.size_bytes()), volumes.size()));
   places_ = places.size();
+  volumes_ = volumes.size();
+  project_ = project;
   root_ = parts.root();
   unit_mm_ = unit_mm;
   file_bytes_ = bytes;
@@ -139,7 +152,9 @@ bool ModelCopy::finish(ModelParts& parts, double unit_mm, std::uint64_t bytes) {
 }
 
 Expected<ModelParts> ModelCopy::parts(Arena& memory) const {
-  return ModelParts::of({reinterpret_cast<ModelParts::Place*>(room_.data() + end_), places_}, root_, memory);
+  const std::span places(reinterpret_cast<ModelParts::Place*>(room_.data() + end_), places_);
+  auto* const volumes = reinterpret_cast<ModelParts::Volume*>(room_.data() + end_ + places.size_bytes());
+  return ModelParts::of(places, {volumes, volumes_}, root_, memory);
 }
 
 Status ModelCopy::deliver(ModelParts& parts, TriangleBatch& batch, double done) const {
@@ -156,12 +171,13 @@ Status ModelCopy::deliver(ModelParts& parts, TriangleBatch& batch, double done) 
       return Vec3d(offset.cast<double>() + origin);
     };
     const std::uint64_t report_every = std::max<std::uint64_t>(1, kReportEvery / places.size());
+    PlacedTriangles placed(parts, object.head.key, unit_mm_, batch);
     const std::byte* next = object.corners;
     std::uint64_t corner = 0;
     for (std::uint64_t i = 0; i < object.head.triangles; ++i) {
       Triangle t;
       for (Vec3d& p : t) p = position(corner += unfolded(read_number(next)));
-      PLUMBLINE_TRY(add_placed(t, places, unit_mm_, batch));
+      PLUMBLINE_TRY(placed.add(t));
       if (i % report_every == 0) {
         const double share = static_cast<double>(next - room_.data()) / static_cast<double>(end_);
         PLUMBLINE_TRY(batch.report(done + (1 - done) * share));

@@ -35,7 +35,8 @@ class ModelCopy {
   /// Completes it: declares its objects in `parts`, and adds a copy of these.
   /// @param bytes  of the file
   /// @returns false if an object is there twice, nested too deeply or printed too often, or if there is no room
-  [[nodiscard]] bool finish(ModelParts& parts, double unit_mm, std::uint64_t bytes);
+  /// @param project  what goes into the summary of each reading
+  [[nodiscard]] bool finish(ModelParts& parts, double unit_mm, std::uint64_t bytes, const UnusedSettings& project);
 
   // After finish():
 
@@ -48,6 +49,7 @@ class ModelCopy {
   /// @retval ErrorCode::kCancelled and all of the sink's
   [[nodiscard]] Status deliver(ModelParts& parts, TriangleBatch& batch, double done) const;
   std::uint64_t file_bytes() const { return file_bytes_; }
+  const UnusedSettings& project() const { return project_; }
 
   std::span<const std::byte> bytes() const { return room_.first(used_); }
   /// Follows its bytes to where they have been moved.
@@ -85,13 +87,31 @@ class ModelCopy {
   std::uint64_t last_corner_ = 0;
   std::size_t end_ = 0;  ///< of the objects; the places follow
   std::size_t places_ = 0;
+  std::size_t volumes_ = 0;
+  UnusedSettings project_;
   std::uint64_t root_ = 0;
   double unit_mm_ = 1;
   std::uint64_t file_bytes_ = 0;
 };
 
-/// Adds a triangle of an object once for each place where the object is printed.
-[[nodiscard]] Status add_placed(const Triangle& corners, std::span<const Affine> places, double unit_mm,
-                                TriangleBatch& batch);
+/// Adds the triangles of an object once for each place where the object is printed, with the roles that they have there.
+class PlacedTriangles {
+ public:
+  /// @param parts  after find_instances(mesh); outlives this
+  PlacedTriangles(const ModelParts& parts, const ObjectKey& mesh, double unit_mm, TriangleBatch& batch)
+      : parts_(parts), mesh_(mesh), unit_mm_(unit_mm), batch_(batch) {}
+
+  /// Call it for each triangle, in order.
+  [[nodiscard]] Status add(const Triangle& corners);
+
+ private:
+  const ModelParts& parts_;
+  ObjectKey mesh_;
+  double unit_mm_;
+  TriangleBatch& batch_;
+  std::uint32_t number_ = 0;
+  std::uint32_t end_ = 0;  ///< of the triangles of one role
+  VolumeRole role_ = VolumeRole::kSolid;
+};
 
 }  // namespace plumbline

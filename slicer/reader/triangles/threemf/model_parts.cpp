@@ -48,17 +48,24 @@ std::uint64_t part_key(std::string_view path) {
 Expected<ModelParts> ModelParts::create(Arena& memory) {
   const auto places = memory.take_bottom<Place>(kMostPlaces, kStage);
   PLUMBLINE_TRY(places);
-  auto parts = of(*places, part_key("3D/3dmodel.model"), memory);
+  const auto volumes = memory.take_bottom<Volume>(kMostVolumes, kStage);
+  PLUMBLINE_TRY(volumes);
+  auto parts = of(*places, *volumes, part_key("3D/3dmodel.model"), memory);
   PLUMBLINE_TRY(parts);
-  parts->size_ = 0;
+  parts->size_ = parts->volume_count_ = 0;
+  parts->has_negative_ = false;
   return parts;
 }
 
-Expected<ModelParts> ModelParts::of(std::span<Place> places, std::uint64_t root, Arena& memory) {
+Expected<ModelParts> ModelParts::of(std::span<Place> places, std::span<Volume> volumes, std::uint64_t root,
+                                    Arena& memory) {
   ModelParts parts;
   parts.places_ = places;
   parts.size_ = places.size();
+  parts.volumes_ = volumes;
+  parts.volume_count_ = volumes.size();
   parts.root_ = root;
+  parts.has_negative_ = std::ranges::any_of(volumes, [](const Volume& v) { return v.role == VolumeRole::kNegative; });
   PLUMBLINE_TRY(memory.take_bottom(parts.instances_, kMostInstances, kStage));
   return parts;
 }
@@ -69,8 +76,44 @@ bool ModelParts::add(const ObjectKey& child, const ObjectKey& in, const Affine& 
   const auto at =
       std::upper_bound(places_.begin(), end, child, [](const ObjectKey& key, const Place& p) { return key < p.child; });
   std::copy_backward(at, end, end + 1);
-  *at = {child, in, place, false, false};
+  *at = {child, in, place, VolumeRole::kSolid, false, false};
   return true;
+}
+
+bool ModelParts::add(const Volume& volume) {
+  if (volume_count_ == volumes_.size()) return false;
+  volumes_[volume_count_++] = volume;
+  has_negative_ |= volume.role == VolumeRole::kNegative;
+  return true;
+}
+
+void ModelParts::assign_roles() {
+  for (Volume& volume : volumes_.first(volume_count_)) {
+    if (volume.in.part == 0) volume.in.part = root_;
+    if (volume.child == 0) continue;
+    for (Place& place : places_.first(size_)) {
+      if (place.in == volume.in && place.child.id == volume.child) place.role = std::max(place.role, volume.role);
+    }
+  }
+}
+
+void ModelParts::count_roles(UnusedSettings& project) const {
+  for (const Volume& volume : volumes()) ++(volume.role == VolumeRole::kNegative ? project.negative : project.ignored);
+}
+
+VolumeRole ModelParts::role_of(const ObjectKey& mesh, std::uint32_t first, std::uint32_t& end) const {
+  VolumeRole role = VolumeRole::kSolid;
+  end = kAllTriangles;
+  for (const Volume& volume : volumes()) {
+    if (volume.in != mesh || volume.child != 0 || volume.last < first) continue;
+    if (volume.first > first) {
+      end = std::min(end, volume.first);
+      continue;
+    }
+    role = std::max(role, volume.role);
+    if (volume.last != kAllTriangles) end = std::min(end, volume.last + 1);
+  }
+  return role;
 }
 
 bool ModelParts::declare(const ObjectKey& object) {
@@ -103,11 +146,13 @@ std::optional<std::uint32_t> ModelParts::missing() const {
 ModelParts::Found ModelParts::find_instances(const ObjectKey& mesh) {
   count_ = 0;
   steps_ = 0;
-  return follow(mesh, {}, 0);
+  return follow(mesh, {}, VolumeRole::kSolid, 0);
 }
 
 /// @param so_far  from the mesh to the object
-ModelParts::Found ModelParts::follow(const ObjectKey& object, const Affine& so_far, std::uint32_t depth) {
+/// @param role    of the mesh in the object
+ModelParts::Found ModelParts::follow(const ObjectKey& object, const Affine& so_far, VolumeRole role,
+                                     std::uint32_t depth) {
   if (depth > kMostNested) return Found::kTooDeep;
   if (++steps_ > kMostSteps) return Found::kTooMany;
   // A search among all places in each step would take minutes for a small file of components within components.
@@ -118,12 +163,13 @@ ModelParts::Found ModelParts::follow(const ObjectKey& object, const Affine& so_f
     const Place& place = *at;
     if (place.in.id == 0 && place.in.part != root_) continue;
     const Affine on{place.place.linear * so_far.linear, place.place(so_far.shift)};
+    const VolumeRole role_here = std::max(role, place.role);
     if (place.in.id == 0) {
       if (count_ == instances_.size()) return Found::kTooMany;
-      instances_[count_++] = on;
+      instances_[count_++] = {on, static_cast<std::uint32_t>(&place - places_.data()) + 1, role_here};
       continue;
     }
-    const Found found = follow(place.in, on, depth + 1);
+    const Found found = follow(place.in, on, role_here, depth + 1);
     if (found != Found::kAll) return found;
   }
   return Found::kAll;

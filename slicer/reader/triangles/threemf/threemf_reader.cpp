@@ -5,6 +5,8 @@
 #include "slicer/reader/stream/xml_parser.hpp"
 #include "slicer/reader/triangles/threemf/model_copy.hpp"
 #include "slicer/reader/triangles/threemf/model_parts.hpp"
+#include "slicer/reader/triangles/threemf/project_files.hpp"
+#include "slicer/reader/triangles/threemf/text_head.hpp"
 #include "slicer/reader/triangles/threemf/zip_parts.hpp"
 #include "slicer/reader/triangles/triangle_formats.hpp"
 
@@ -29,6 +31,10 @@ constexpr std::array<Unit, 6> kUnits = {
 constexpr std::array<std::string_view, 4> kHarmlessExtensions = {"/production/", "/material/", "/trianglesets/",
                                                                  "/slice/"};
 
+/// Settings of Cura that make an object no solid.
+constexpr std::array<std::string_view, 4> kCuraModifiers = {"infill_mesh", "cutting_mesh", "support_mesh",
+                                                            "anti_overhang_mesh"};
+
 /// An element's name without its prefix.
 std::string_view local_name(std::string_view name) { return name.substr(name.find(':') + 1); }
 
@@ -49,7 +55,8 @@ class ModelDocument : public XmlHandler {
         is_build_ = name == "build";
         break;
       case 3:
-        if (is_build_ && name == "item") place(attributes, {part_, 0});
+        is_item_ = is_build_ && name == "item";
+        if (is_item_) place(attributes, {part_, 0});
         is_object_ = is_resources_ && name == "object";
         if (is_object_) begin_object_element(attributes);
         break;
@@ -59,6 +66,7 @@ class ModelDocument : public XmlHandler {
         break;
       case 5:
         if (is_components_ && name == "component") place(attributes, object_);
+        if (is_object_ || is_item_) begin_setting(name, attributes);
         if (is_mesh_ && name == "beamlattice") beams();
         list_ = !is_mesh_             ? List::kOther
                 : name == "vertices"  ? List::kVertices
@@ -75,9 +83,13 @@ class ModelDocument : public XmlHandler {
 
   void end(std::string_view /*name*/) override {
     if (depth_ == 3 && is_object_) end_object();
+    if (depth_ == 5 && is_modifier_) end_setting();
     if (depth_ == 4) is_mesh_ = is_components_ = false;
     if (depth_ == 5) list_ = List::kOther;
     --depth_;
+  }
+  void text(std::string_view piece) override {
+    if (is_modifier_) value_.append(piece);
   }
 
  protected:
@@ -86,6 +98,7 @@ class ModelDocument : public XmlHandler {
   virtual void vertex(const XmlAttributes& /*attributes*/) {}
   virtual void triangle(const XmlAttributes& /*attributes*/) {}
   virtual void beams() {}
+  virtual void no_solid(const ModelParts::Volume& /*volume*/) {}
   virtual void placed(const ObjectKey& /*child*/, const ObjectKey& /*in*/, const Affine& /*place*/) {}
 
   ModelParts& parts() { return parts_; }
@@ -116,6 +129,20 @@ class ModelDocument : public XmlHandler {
     begin_object(object_, type.empty() || type == "model" || type == "solidsupport");
   }
 
+  /// Cura's settings of an object or an item: a metadata of 3MF, or an element of its own before version 3.
+  void begin_setting(std::string_view name, const XmlAttributes& attributes) {
+    if (name != "metadata" && name != "setting") return;
+    const auto key = local_name(attributes[name == "setting" ? "key" : "name"]);
+    is_modifier_ = std::ranges::find(kCuraModifiers, key) != kCuraModifiers.end();
+    value_ = {};
+  }
+  void end_setting() {
+    is_modifier_ = false;
+    if (value_.view() != "True" && value_.view() != "true" && value_.view() != "1") return;
+    if (is_object_) no_solid({.in = object_});
+    if (is_item_) no_solid({.in = {part_, 0}, .child = item_});
+  }
+
   void place(const XmlAttributes& attributes, const ObjectKey& in) {
     if (attributes.any("printable") == "0") return;  // PrusaSlicer's
     const auto path = attributes.any("path");
@@ -123,6 +150,7 @@ class ModelDocument : public XmlHandler {
     const auto transform = parse_transform(attributes["transform"]);
     if (!transform)
       return parser_->complain("'%s' is not a transform of 12 numbers", Quote(attributes["transform"]).c_str());
+    if (in.id == 0) item_ = child.id;
     placed(child, in, *transform);
   }
 
@@ -139,7 +167,10 @@ class ModelDocument : public XmlHandler {
   double unit_mm_ = 1;
   std::uint64_t depth_ = 0;  ///< of the open element, from 1
   bool is_resources_ = false, is_build_ = false;
-  bool is_object_ = false, is_mesh_ = false, is_components_ = false;
+  bool is_object_ = false, is_item_ = false, is_mesh_ = false, is_components_ = false;
+  bool is_modifier_ = false;  ///< the open element is one of kCuraModifiers
+  TextHead<8> value_;         ///< of it
+  std::uint32_t item_ = 0;    ///< id of the last item's object
   List list_ = List::kOther;
   ObjectKey object_;
 };
@@ -188,6 +219,10 @@ class PlaceDocument final : public ModelDocument {
     parser_->complain("more than %zu items and components", ModelParts::kMostPlaces);
   }
 
+  void no_solid(const ModelParts::Volume& volume) override {
+    if (!parts().add(volume)) complain_of_volumes(*parser_);
+  }
+
   bool is_copied() const { return is_solid_ && copy_.is_whole(); }
 
   ModelCopy& copy_;
@@ -217,6 +252,7 @@ class MeshDocument final : public ModelDocument {
       return parser_->complain("an object that is printed more than %zu times", ModelParts::kMostInstances);
     }
     is_printed_ = !parts().instances().empty();
+    placed_.emplace(parts(), key, unit_mm_, batch_);
   }
   void end_object() override { count_vertices(vertices_, batch_.summary()); }
 
@@ -252,13 +288,14 @@ class MeshDocument final : public ModelDocument {
       vertices_.use(corners[k]);
       t[k] = vertices_.at(corners[k]);
     }
-    status_ = add_placed(t, parts().instances(), unit_mm_, batch_);
+    status_ = placed_->add(t);
     if (!status_) parser_->complain("stopped");
   }
 
   double unit_mm_;
   TriangleBatch& batch_;
   VertexList& vertices_;
+  std::optional<PlacedTriangles> placed_;  ///< of the open object
   bool is_printed_ = false;
   bool full_ = false;
   Status status_;
@@ -313,7 +350,9 @@ class ThreeMfReader {
                                  "an object on the plate in the program that wrote it, and export it again"));
     }
     unit_mm_ = root->unit_mm;
-    if (copy_.finish(parts_, unit_mm_, input_.farthest())) {
+    parts_.assign_roles();
+    parts_.count_roles(summary.project);
+    if (copy_.finish(parts_, unit_mm_, input_.farthest(), summary.project)) {
       PLUMBLINE_TRY(copy_.deliver(parts_, batch_, first_pass));
     } else {
       PLUMBLINE_TRY(input_.rewind());
@@ -358,7 +397,7 @@ class ThreeMfReader {
       RelationDocument relations(parts_);
       return parse(part, relations);
     }
-    if (!is_model(part)) return {};
+    if (!is_model(part)) return read_project(part);
     const std::uint64_t key = part_key(part.name());
     PlaceDocument places(key, parts_, copy_);
     PLUMBLINE_TRY(parse(part, places));
@@ -367,6 +406,29 @@ class ThreeMfReader {
                          "more than %zu models in one archive;\texport fewer objects at a time", models_.size());
     }
     models_[model_count_++] = {key, places.unit_mm()};
+    return {};
+  }
+
+  Status read_project(ZipParts& part) {
+    UnusedSettings& project = batch_.summary().project;
+    const auto is = [&](std::string_view ending) { return has_ending(part.name(), ending); };
+    if (is("_model.config") || is("model_settings.config")) {
+      ProjectDocument document(parts_, project);
+      return parse(part, document);
+    }
+    const bool holes = is("_sla_drain_holes.txt");
+    const bool supports = is("_sla_support_points.txt");
+    if (!holes && !supports && !is("/slic3r_pe.config")) return {};
+    ProjectLines lines(project);
+    for (;;) {
+      const auto piece = part.read();
+      PLUMBLINE_TRY(piece);
+      if (piece->empty()) break;
+      lines.read(*piece);
+    }
+    lines.end_line();
+    project.drain_holes |= holes && lines.has_list();
+    project.support_points |= supports && lines.has_list();
     return {};
   }
 
@@ -421,6 +483,7 @@ Status read_3mf(ByteInput& input, TriangleBatch& batch, const MeshRoom& room, Mo
 
 Status read_3mf_copy(const ModelCopy& copy, TriangleBatch& batch, Arena& memory) {
   describe_3mf(batch.summary());
+  batch.summary().project = copy.project();
   auto parts = copy.parts(memory);
   PLUMBLINE_TRY(parts);
   return copy.deliver(*parts, batch, 0);

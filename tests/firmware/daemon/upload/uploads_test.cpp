@@ -133,8 +133,8 @@ TEST_F(UploadsTest, AreKeptWhenTheyAreWholeAndOfferedAsOnAStick) {
   ASSERT_TRUE(mount) << mount.error().message();
   const auto scans = list_scans(*mount);
   ASSERT_TRUE(scans) << scans.error().message();
-  ASSERT_EQ(scans->count, 1U);
-  EXPECT_EQ(scans->list[0].name.view(), "bust.ply");
+  ASSERT_EQ(scans->list.size(), 1U);
+  EXPECT_THAT(scans->list[0].names, ElementsAre("bust.ply"));
   auto file = mount->open("bust.ply");
   ASSERT_TRUE(file);
   EXPECT_TRUE(file->descriptor()) << "the child reads it, not the daemon";

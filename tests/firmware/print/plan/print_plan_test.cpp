@@ -51,14 +51,14 @@ TEST(PrintPlan, CuresLayerKAtItsUpperFace) {
 }
 
 TEST(PrintPlan, TakesTheHeightOfAnArchivesFirstLayer) {
-  Sl1Settings settings;
-  settings.first_layer_height_mm = 0.3;
-  const auto p = plan_print(profile_of(profile(), settings, "part.sl1"), machine(), 0.05, 3335).value();
+  ArchiveSettings settings;
+  settings.value(PrintKey::kInitialLayerHeight) = 0.3;
+  const auto p = plan_print(*profile_of(profile(), settings, "part.sl1"), machine(), 0.05, 3335).value();
   EXPECT_EQ(height_of(p, 0), ZPosition(300_um));
   EXPECT_EQ(height_of(p, 1), ZPosition(350_um));
-  EXPECT_FALSE(plan_print(profile_of(profile(), settings, "part.sl1"), machine(), 0.05, 3336)) << "0.05 mm too high";
-  settings.first_layer_height_mm = 0.02;
-  EXPECT_EQ(height_of(*plan_print(profile_of(profile(), settings, ""), machine(), 0.05, 9), 1), ZPosition(70_um));
+  EXPECT_FALSE(plan_print(*profile_of(profile(), settings, "part.sl1"), machine(), 0.05, 3336)) << "0.05 mm too high";
+  settings.value(PrintKey::kInitialLayerHeight) = 0.02;
+  EXPECT_EQ(height_of(*plan_print(*profile_of(profile(), settings, ""), machine(), 0.05, 9), 1), ZPosition(70_um));
 }
 
 TEST(PrintPlan, HeightsAddUpWithoutRounding) {
@@ -102,7 +102,10 @@ TEST(PrintPlan, PrintTimeIsTheSumOfItsLayersAndTheMovesDownAndUp) {
             sum - 5 * layer_time(p, 4) - layer_time(p, 5) - layer_time(p, 6) - layer_time(p, 0) + layer_time(p, 1))
       << "the first layer has no way down";
   const auto move = [](double mm, double mm_min) { return mm / (mm_min / 60) + mm_min / 60 / 100; };
-  EXPECT_NEAR(seconds(print_time(p) - sum), move(174 - 2.05, 300) + move(2, 60) + move(174 - 17, 300), 1e-6);
+  // Down fast to where the lift of a layer ends, then as to any layer; up, and home: 1 mm, 2 mm back, 2 mm slowly, 1 mm back.
+  const double down = move(174 - 7.05, 300) + move(5, 180) + move(2, 60);
+  const double home = move(1, 300) + move(2, 300) + move(2, 30) + move(1, 300);
+  EXPECT_NEAR(seconds(print_time(p) - sum), down + move(174 - 17, 300) + home, 1e-6);
 }
 
 TEST(PrintPlan, FadesTheElephantFootWithTheExposure) {
@@ -174,33 +177,33 @@ TEST(PrintPlan, RefusesMoreLightInAMinuteThanTheLampMayGive) {
 }
 
 TEST(PrintPlan, BlamesTheArchiveForItsExposures) {
-  const auto message = [](const Sl1Settings& settings, const MachineFile& lamp) -> std::string {
-    const auto refused = plan_print(profile_of(profile(), settings, "part.sl1"), lamp, 0.05, 100);
+  const auto message = [](const ArchiveSettings& settings, const MachineFile& lamp) -> std::string {
+    const auto refused = plan_print(*profile_of(profile(), settings, "part.sl1"), lamp, 0.05, 100);
     if (refused) return "taken";
     EXPECT_EQ(refused.error().code(), ErrorCode::kExposureTooLong);
     return refused.error().message();
   };
-  Sl1Settings settings;
+  ArchiveSettings settings;
   EXPECT_EQ(message(settings, machine()), "taken");
-  settings.initial_exposure_s = 61;
+  settings.value(PrintKey::kInitialExposureTime) = 61;
   EXPECT_THAT(message(settings, machine()),
               AllOf(HasSubstr("part.sl1: its exposure of the first layers is 61 s, this printer's lamp may be lit for "
                               "60 s at most"),
                     HasSubstr("Slice it again with a shorter exposure"), Not(HasSubstr("profile"))));
-  settings.exposure_s = 62;
+  settings.value(PrintKey::kExposureTime) = 62;
   EXPECT_THAT(message(settings, machine()), HasSubstr("part.sl1: its exposure of a layer is 62 s"));
   auto lamp = machine();
   lamp.max_light_per_minute_s = 20;
-  settings.exposure_s = 50;
-  settings.initial_exposure_s = 55;
+  settings.value(PrintKey::kExposureTime) = 50;
+  settings.value(PrintKey::kInitialExposureTime) = 55;
   EXPECT_THAT(message(settings, lamp), HasSubstr("part.sl1: its exposures give up to "));
 
   // The profile's own exposure is the profile's fault, even with an archive.
   auto bright = profile();
   bright.initial_exposure_time = 61;
-  settings.exposure_s = 2;
-  settings.initial_exposure_s.reset();
-  const auto refused = plan_print(profile_of(bright, settings, "part.sl1"), machine(), 0.05, 100);
+  settings.value(PrintKey::kExposureTime) = 2;
+  settings.value(PrintKey::kInitialExposureTime).reset();
+  const auto refused = plan_print(*profile_of(bright, settings, "part.sl1"), machine(), 0.05, 100);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message(), HasSubstr("lower initial_exposure_time"));
 }

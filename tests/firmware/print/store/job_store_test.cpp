@@ -11,6 +11,7 @@
 #include <limits>
 #include <vector>
 
+#include "firmware/io/random_id.hpp"
 #include "firmware/print/store/job_file.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
@@ -35,9 +36,10 @@ JobFacts facts() {
   JobFacts facts;
   facts.scan = short_name("bust.ply and 31 more");
   for (FileName& file : facts.files) file = file_name(std::string(70, 'a') + std::to_string(facts.file_count++));
+  facts.print_id = RandomIds().next();
   facts.printer_hash = 7;
-  facts.plan.layers = 3;
-  facts.plan.exposure = std::chrono::milliseconds(2500);
+  facts.contract.plan.layers = 3;
+  facts.contract.plan.exposure = std::chrono::milliseconds(2500);
   return facts;
 }
 
@@ -76,7 +78,7 @@ TEST_F(JobStoreTest, LoadsAnInterruptedPrint) {
   EXPECT_EQ(job->job.facts.file_count, kMostScans);
   EXPECT_EQ(job->job.facts.files, facts().files);
   EXPECT_EQ(job->job.facts.printer_hash, 7U);
-  EXPECT_EQ(job->job.facts.plan.exposure, std::chrono::milliseconds(2500));
+  EXPECT_EQ(job->job.facts.contract.plan.exposure, std::chrono::milliseconds(2500));
   EXPECT_EQ(job->job.parts.rrep.grid.layers, 3U);
   EXPECT_THAT(job->job.parts.rrep.first, ElementsAreArray(kFirst));
   EXPECT_THAT(job->job.parts.rrep.pixel, ElementsAreArray(kPixel));
@@ -87,7 +89,7 @@ TEST_F(JobStoreTest, LoadsAnInterruptedPrint) {
   ASSERT_TRUE(journal) << journal.error().message();
   EXPECT_EQ(journal->job_hash(), job->job.hash);
   EXPECT_EQ(journal->last().next_layer, 1U);
-  EXPECT_EQ(JobStore::open(state())->progress()->next_layer, 1U);
+  EXPECT_EQ(JobStore::open(state())->progress()->last.next_layer, 1U);
 }
 
 TEST_F(JobStoreTest, IsEmptyWhenNewAndAfterThePrint) {

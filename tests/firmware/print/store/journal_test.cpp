@@ -315,6 +315,33 @@ TEST(Journal, NoticesAMediumThatTakesWritesAndDropsThem) {
   EXPECT_THAT(appended.error().message(), HasSubstr("did not keep"));
 }
 
+/// A record as on the medium, with a right hash.
+std::array<std::uint64_t, 8> record_of(std::uint32_t next_layer, std::uint32_t slot) {
+  std::array<std::uint64_t, 8> record = {next_layer | std::uint64_t{slot} << 32U, kJob};
+  Hash64 hash;
+  hash.add(std::as_bytes(std::span(record)).first(56));
+  record[7] = hash.value();
+  return record;
+}
+
+TEST(Journal, IsNotBelievedWhenItSkipsALayerOrHasMoreThanThePrint) {
+  const auto opened_with = [](std::uint32_t next_layer) {
+    auto storage = storage_with(5);
+    const auto record = record_of(next_layer, 6);
+    for (const std::size_t copy : {0U, 1U}) std::memcpy(storage.record(copy, 6), record.data(), sizeof record);
+    auto journal = Journal::open(storage);
+    if (journal) {
+      EXPECT_EQ(journal->last().next_layer, next_layer);
+    }
+    return journal.has_value() ? std::string() : std::string(journal.error().message());
+  };
+  EXPECT_EQ(opened_with(5), "") << "an interruption";
+  EXPECT_EQ(opened_with(6), "");
+  for (const std::uint32_t wrong : {7U, 4U, 0U, 20U, 21U, 0xFFFF'FFFEU}) {
+    EXPECT_THAT(opened_with(wrong), HasSubstr("damaged at record 6: it skips a layer")) << wrong;
+  }
+}
+
 /// "PLJ1", 20 layers, job 7, as version 0.1 wrote it.
 TEST(Journal, RefusesTheFormatBeforeInWords) {
   std::array<std::uint64_t, 8> header = {0x14'314A'4C50U, 7};

@@ -316,6 +316,32 @@ TEST(LampWatch, ReplacesAKeeperThatIsGoneAndTellsTheExposureWhy) {
   }
 }
 
+// Nobody watches the switch then.
+TEST(LampWatch, TakesTheCoverForOpenWhileThereIsNoKeeper) {
+  const Line line;
+  const std::string cover = line.folder() + "/cover";
+  ASSERT_EQ(::mkfifo(cover.c_str(), 0600), 0);
+  LampKeeper::Settings settings = line.settings();
+  settings.cover = "file:" + cover;
+  const std::string program = line.folder() + "/keeper";
+  std::filesystem::create_symlink(settings.program, program);
+  settings.program = program;
+  EventQueue queue;
+  auto watch = LampWatch::start(settings, queue);
+  ASSERT_TRUE(watch) << watch.error().message();
+  EXPECT_FALSE((*watch)->cover_open());
+  const pid_t process = (*watch)->keeper().value()->process();
+  std::filesystem::remove(program);
+  ASSERT_EQ(::kill(process, SIGKILL), 0);
+  const auto until = monotonic_now() + 10s;
+  while (!(*watch)->cover_open() && monotonic_now() < until) {
+    (*watch)->drain(monotonic_now());
+    ::usleep(500);
+  }
+  EXPECT_TRUE((*watch)->cover_open());
+  EXPECT_FALSE((*watch)->keeper());
+}
+
 // A print that is resumed after each loss of a keeper must not get more light in a minute for that.
 TEST(LampWatch, TellsTheNextKeeperHowMuchLightTheLastMinuteHad) {
   const Line line;

@@ -135,6 +135,27 @@ TEST(E57Reader, MovesEachScanByItsPose) {
   EXPECT_EQ(reading.summary->header.declared_points, 8U);
 }
 
+TEST(E57Reader, BeginsAViewWithEachScan) {
+  const std::string moved = "<translation><x>1</x><z>-2.5</z></translation>";
+  const std::string idle = "<rotation><w>1</w></rotation><translation><x>0</x></translation>";
+  const auto views_of = [](const std::vector<E57TestScan>& scans) {
+    const auto reading = read_e57_of(scans);
+    EXPECT_TRUE(reading.summary.has_value()) << reading.message();
+    EXPECT_EQ(reading.sink.complaint, "");
+    return reading.sink.views;
+  };
+  auto structured = float_columns();
+  structured.push_back(integer_column("rowIndex", "Integer", 0, 3, {0, 1, 2, 3}));
+  using Views = std::vector<BegunView>;
+  EXPECT_EQ(views_of({{.columns = float_columns()}}), Views{});
+  EXPECT_EQ(views_of({{.columns = float_columns(), .pose = idle}}), Views{}) << "of a merged cloud";
+  EXPECT_EQ(views_of({{.columns = float_columns()}, {.columns = float_columns(), .pose = idle}}),
+            (Views{{0, std::nullopt}, {4, std::nullopt}}));
+  EXPECT_EQ(views_of({{.columns = float_columns()}, {.columns = float_columns(), .pose = moved}}),
+            (Views{{0, Vec3d(0, 0, 0)}, {4, Vec3d(1000, 0, -2500)}}));
+  EXPECT_EQ(views_of({{.columns = structured}}), (Views{{0, Vec3d(0, 0, 0)}}));
+}
+
 TEST(E57Reader, ReadsSphericalCoordinatesAndLeavesOutInvalidPoints) {
   const std::vector<double> range = {2, 3, 0.5, 9, 1};
   const std::vector<double> azimuth = {0, 3.14159265358979323846 / 2, -2.5, 1, 1e9};

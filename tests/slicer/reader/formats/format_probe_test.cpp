@@ -197,7 +197,7 @@ TEST(FormatProbe, PrefersTheBytesToTheName) {
 }
 
 TEST(FormatProbe, UsesTheNameIfTheFirstLineIsUndecided) {
-  const std::string table = "left right up\n1 2 3\n";
+  const std::string table = "North East Up\n1 2 3\n";
   EXPECT_EQ(read(table, "SCAN.XYZ").summary->header.format, ScanFormat::kXyz);
   EXPECT_EQ(read(table, "scan.csv").summary->header.format, ScanFormat::kXyz);
   EXPECT_EQ(read(table, "scan.xyzrgb").summary->header.format, ScanFormat::kXyz);

@@ -36,6 +36,25 @@ TEST(PcdReader, ReadsAllThreeEncodings) {
                 kTwo);
 }
 
+TEST(PcdReader, TellsWhereTheScannerStood) {
+  const auto views_of = [](const std::string& head) {
+    const auto reading = read(head + "DATA ascii\n1 2 3\n-4 5.5 60\n1 2 4\n1 2 5\n");
+    EXPECT_TRUE(reading.summary.has_value()) << reading.message();
+    EXPECT_EQ(reading.sink.complaint, "");
+    EXPECT_EQ(reading.sink.points.front().x, 1) << "points are not relative to it";
+    return reading.sink.views;
+  };
+  const std::string list = replaced(replaced(kHead, "WIDTH 2", "WIDTH 4"), "POINTS 2", "POINTS 4");
+  const std::string grid = replaced(replaced(kHead, "HEIGHT 1", "HEIGHT 2"), "POINTS 2", "POINTS 4");
+  using Views = std::vector<BegunView>;
+  EXPECT_EQ(views_of(list), Views{}) << "programs write the default if they don't know";
+  EXPECT_EQ(views_of(grid), (Views{{0, Vec3d(0, 0, 0)}}));
+  EXPECT_EQ(views_of(replaced(list, "T 0 0 0 1", "T 1 -2 3.5 1")), (Views{{0, Vec3d(1, -2, 3.5)}}));
+  EXPECT_EQ(views_of(replaced(grid, "T 0 0 0 1", "T 1 -2 3.5 1")), (Views{{0, Vec3d(1, -2, 3.5)}}));
+  EXPECT_EQ(views_of(replaced(list, "T 0 0 0 1", "T nan 2 3 1")), Views{});
+  EXPECT_EQ(views_of(replaced(list, "T 0 0 0 1 0 0 0", "T 1 2 3")), Views{});
+}
+
 TEST(PcdReader, RefusesMorePointsThanItsHeaderDeclares) {
   const std::string ascii = kHead + "DATA ascii\n1 2 3\n-4 5.5 60\n";
   const std::string binary = kHead + "DATA binary\n" + little(1.0F, 2.0F, 3.0F, -4.0F, 5.5F, 60.0F);

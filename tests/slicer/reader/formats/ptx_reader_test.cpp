@@ -42,6 +42,20 @@ TEST(PtxReader, ReadsAFileWhoseFirstScanIsEmpty) {
   EXPECT_EQ(reading.summary->points, 1U);
 }
 
+TEST(PtxReader, BeginsAViewWithEachScan) {
+  const std::string placed = replaced(kPtxPlain, "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1", "7 8 9\n1 0 0\n0 1 0\n0 0 1\n1");
+  const auto reading = read("2\n1\n" + kPtxPlain + "1 2 3 .5\n4 5 6 .5\n" +  // a list: nobody knows from where
+                                "1\n1\n" + kPtxTurned + "1 2 3 .5\n" +       // by the transform
+                                "2\n2\n" + kPtxPlain + "1 2 3 .5\n0 0 0 .5\n0 0 0 .5\n1 2 4 .5\n" +  // a grid
+                                "1\n1\n" + placed + "1 2 3 .5\n",  // by the header alone
+                            "scan.ptx");
+  ASSERT_TRUE(reading.summary.has_value()) << reading.message();
+  EXPECT_EQ(reading.sink.complaint, "");
+  const std::vector<BegunView> wanted = {
+      {0, std::nullopt}, {2, Vec3d(10, 20, 30)}, {3, Vec3d(0, 0, 0)}, {5, Vec3d(7, 8, 9)}};
+  EXPECT_EQ(reading.sink.views, wanted);
+}
+
 TEST(PtxReader, NamesTheLineWithTheError) {
   EXPECT_THAT(read("2\n1\n" + kPtxPlain + "1 2 3 .5\n", "a.ptx").message(),
               HasSubstr("a.ptx: the file ends after line 11, with 1 of the 2 points of a scan"));

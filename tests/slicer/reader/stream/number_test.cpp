@@ -100,6 +100,35 @@ TEST(ParseReal, ReadsTheNamesOfNanAndInfinity) {
   }
 }
 
+TEST(ParseReal, ReadsTheExponentsOfFortran) {
+  for (const auto& [text, value] : {std::pair("1.0D+02", 100.0),
+                                    {"-2.5d-1", -0.25},
+                                    {"1D400", HUGE_VAL},
+                                    {"3.D0", 3.0},
+                                    {"0.12345678901234567890D+03", 123.45678901234568}}) {
+    EXPECT_EQ(parse(text), value) << text;
+  }
+  for (const char* text : {"1D", "1.0D+", "D5", "1D2D3", "3d"}) EXPECT_FALSE(parse(text).has_value()) << text;
+}
+
+TEST(ParseReal, ReadsDecimalCommasOnlyWhereAsked) {
+  for (const auto& [text, value] : {std::pair("1,5", 1.5),
+                                    {"-0,25e1", -2.5},
+                                    {"10,0D1", 100.0},
+                                    {"1,5,2", 0.0},
+                                    {"1.5,2", 0.0},
+                                    {",5", 0.0},
+                                    {"5,", 0.0},
+                                    {"1,2.5", 0.0},
+                                    {"12", 0.0}}) {
+    const std::string word = text;
+    double found = 0;
+    const bool is_read =
+        parse_decimal_comma(word.data(), word.data() + word.size(), found) == word.data() + word.size();
+    EXPECT_EQ(is_read ? found : 0, value) << text;
+  }
+}
+
 TEST(ParseReal, RefusesOtherWords) {
   for (const char* text : {"", "+", "-", ".", "e5", "+-1", "++1", "--1", "x1", "1x", "1e", "1,5", "0x10", "3.1+e2",
                            "1 ", " 1", "1.#", "1.#FOO", "1_000"}) {

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+#include "firmware/daemon/state_recorder.hpp"
+#include "firmware/print/contract/contract.hpp"
+#include "firmware/settings/print_profile.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// The contract that a person is asked about. Until they accept it, they may change what needs no new masks: exposures, bottom layers,
+/// lifts and waits.
+class OfferedContract {
+ public:
+  /// All must outlive it.
+  /// @param name      of what is printed
+  /// @param contract  of the profile; what people accept is in it
+  /// @param profile   gets the person's values
+  /// @param remake    makes the contract of a changed profile
+  OfferedContract(std::string_view name, Contract& contract, PrintProfile& profile,
+                  std::function<Expected<Contract>(const PrintProfile&)> remake, StateRecorder& recorder);
+
+  /// Shows the contract, and says what is doubtful about it.
+  void tell() const;
+  const Contract& contract() const { return contract_; }
+  std::string_view name() const { return name_; }
+  /// Called when it has changed.
+  std::function<void()> changed;
+
+  /// Changes a value. "" sets it back to what it was before any person changed it.
+  /// @retval ErrorCode::kBadSetting  no such value, or out of range, or the printer can't do it; nothing has changed
+  [[nodiscard]] Status set(std::string_view key, std::string_view value);
+
+ private:
+  std::string_view name_;
+  Contract& contract_;
+  PrintProfile& profile_;
+  const PrintProfile before_;
+  std::function<Expected<Contract>(const PrintProfile&)> remake_;
+  StateRecorder& recorder_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,33 @@
+#pragma once
+/// Which findings a person is told of. The others are in the manifest only: those that nobody could see on the part or do anything about.
+
+#include <cstdint>
+
+#include "slicer/checks/stack_findings.hpp"
+#include "slicer/core/print_grid.hpp"
+
+namespace plumbline {
+
+/// The least that matters, whatever the pixels are.
+struct MatteringFloors {
+  /// Pieces that fall or tear off, mm3: a cube of 0.27 mm. Nobody misses it on the part, and the film bears it as it bears dust.
+  static constexpr double kPiece_mm3 = 0.02;
+  /// Resin traps, mm3: a ball of 0.58 mm. Light for post-curing reaches half a millimetre deep, so what is in there sets.
+  static constexpr double kTrap_mm3 = 0.1;
+  /// Suction cups, mm3. At 20 kPa (PeelSettings) a cup of the least height that counts, 0.5 mm, pulls with 0.02 N here: less than a tip holds.
+  static constexpr double kCup_mm3 = 0.5;
+};
+
+/// What plumbline itself has added to the object.
+struct AddedSupports {
+  bool drawn =
+      false;  ///< they hold what the support finder's rule says must be held, so that overhangs have been dealt with
+  std::uint32_t raft_layers = 0;  ///< the lowest layers, without a pixel of the object
+  bool object_clear = false;      ///< the object itself keeps off the panel's edge
+};
+
+/// Sets IssueGroup::minor, and puts what matters first among what is kept.
+/// @param grid  of the masks
+void find_what_matters(StackFindings& findings, const PrintGrid& grid, const AddedSupports& added);
+
+}  // namespace plumbline

@@ -1,0 +1,155 @@
+#include "slicer/cloud/outliers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "slicer/cloud/tangent_plane.hpp"
+#include "slicer/core/loop_progress.hpp"
+#include "slicer/core/numbers/median.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint32_t kNear = 8;       ///< nearest points that measure a density
+constexpr std::uint32_t kSamples = 512;  ///< points whose median density is the scan's
+constexpr float kSparse = 2;  ///< times the median distance: a quarter of its density on a surface, an eighth in space
+constexpr std::uint32_t kOfSheet = 16;  ///< nearest points that may be a sheet
+// Most of the second variance that the least may be. Fewer than 1 of 1,000 points at random have so little.
+constexpr double kFlat = 0.1;      ///< of all points
+constexpr double kFlatter = 0.03;  ///< of those nearest to their plane
+constexpr double kWide = 0.05;  ///< least of the first variance that the second may be: a string of points is no sheet
+constexpr std::uint32_t kFacing = 5;       ///< nearest points that face the way of a sparse point
+constexpr std::ptrdiff_t kMostFacing = 4;  ///< of these, that must agree with it
+/// One outlier in so many points, and fewer, are left to the clustering: a few points at open rims and in deep bores look like outliers.
+constexpr std::uint32_t kFew = 100;
+constexpr std::uint32_t kBlock = 64;  ///< consecutive points, most of whose neighbours are in their block
+
+class Outliers {
+ public:
+  Outliers(Cloud& cloud, const KdTree3& tree) : cloud_(cloud), tree_(tree) {}
+
+  Status measure(Arena& arena) {
+    const ArenaScope scope(arena);
+    const std::uint32_t samples = std::min(kSamples, cloud_.size);
+    const auto distance2 = arena.take_top<float>(samples, "outliers");
+    PLUMBLINE_TRY(distance2);
+    std::array<Neighbour, kNear + 1> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    for (std::uint32_t s = 0; s < samples; ++s) {
+      const std::uint32_t count = tree_.nearest(cloud_.position[cloud_.sampled(s, samples)], found);
+      (*distance2)[s] = found[count - 1].distance2;
+    }
+    reach2_ = kSparse * kSparse * median(*distance2);
+    return {};
+  }
+
+  /// Marks the outliers among points [first, last) with a negative radius.
+  void mark(std::uint32_t first, std::uint32_t last) const {
+    for (std::uint32_t i = first; i < last; ++i) {
+      const bool stays = !is_sparse(i, first, last) || is_on_sheet(i) || agrees_with_neighbours(i);
+      cloud_.radius[i] = stays ? 0.0F : -1.0F;
+    }
+  }
+
+ private:
+  struct Sheet {
+    Vec3d normal = Vec3d::Zero();
+    Vec3d mean = Vec3d::Zero();
+    double reach2 = 0;  ///< square of the distance of its farthest point; 0: no sheet
+  };
+
+  bool is_sparse(std::uint32_t i, std::uint32_t first, std::uint32_t last) const {
+    std::uint32_t near = 0;
+    for (std::uint32_t j = first; j < last && near <= kNear; ++j) {
+      const Vec3f d = cloud_.position[j] - cloud_.position[i];
+      near += d.dot(d) <= reach2_ ? 1 : 0;
+    }
+    if (near > kNear) return false;
+    std::array<Neighbour, kNear + 1> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    return tree_.nearest(
+               cloud_.position[i], found, [](std::uint32_t) { return true; }, reach2_) <= kNear;
+  }
+
+  /// Fits a sheet to the points around a point. If they make none, to the three quarters of them nearest to their plane: the others may be
+  /// outliers, or lie beyond an edge.
+  Sheet sheet(std::span<Neighbour> around, const Vec3f& from) const {
+    const PrincipalAxes all = principal_axes(from, around, cloud_.position);
+    if (is_flat(all, kFlat)) return sheet(around, from, all);
+    const auto off = [&](const Neighbour& n) {
+      return std::abs(all.axes.col(0).dot((cloud_.position[n.index] - from).cast<double>() - all.mean));
+    };
+    const auto nearer = around.first(around.size() - around.size() / 4);
+    std::nth_element(around.begin(), nearer.end(), around.end(),
+                     [&](const Neighbour& a, const Neighbour& b) { return off(a) < off(b); });
+    const PrincipalAxes most = principal_axes(from, nearer, cloud_.position);
+    return is_flat(most, kFlatter) ? sheet(nearer, from, most) : Sheet();
+  }
+  static bool is_flat(const PrincipalAxes& axes, double least) {
+    return axes.variance[0] <= least * axes.variance[1] && axes.variance[1] > kWide * axes.variance[2];
+  }
+  static Sheet sheet(std::span<const Neighbour> points, const Vec3f& from, const PrincipalAxes& axes) {
+    Sheet sheet{axes.axes.col(0), from.cast<double>() + axes.mean, 0};
+    for (const Neighbour& n : points) sheet.reach2 = std::max(sheet.reach2, static_cast<double>(n.distance2));
+    return sheet;
+  }
+  static bool lies_on(const Sheet& sheet, const Vec3f& p, double distance2) {
+    const double height = sheet.normal.dot(p.cast<double>() - sheet.mean);
+    return distance2 <= sheet.reach2 && height * height <= static_cast<double>(kMostHeight * kMostHeight) * distance2;
+  }
+
+  bool is_on_sheet(std::uint32_t i) const {
+    const Vec3f& p = cloud_.position[i];
+    std::array<Neighbour, kOfSheet + 1> around;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    const std::uint32_t count = tree_.nearest(p, around);
+    if (count <= kOfSheet) return true;
+    std::array<Neighbour, kNear> nearest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::copy_n(around.begin() + 1, kNear, nearest.begin());
+    if (lies_on(sheet(around, p), p, static_cast<double>(nearest.back().distance2))) return true;
+    return std::any_of(nearest.begin(), nearest.end(), [&](const Neighbour& n) {
+      std::array<Neighbour, kOfSheet + 1> of_other;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      const Vec3f& other = cloud_.position[n.index];
+      tree_.nearest(other, of_other);
+      return lies_on(sheet(of_other, other), p, static_cast<double>(n.distance2));
+    });
+  }
+
+  /// Whether a point with a normal lies on the tangent planes of others that face its way, and they on its own. In a narrow bore the two
+  /// heights of a pair cancel. Of outliers with normals at random 1 in 100 does.
+  bool agrees_with_neighbours(std::uint32_t i) const {
+    if (!cloud_.normal[i].known()) return false;
+    const Vec3f n = cloud_.normal[i].unpack();
+    const Vec3f& p = cloud_.position[i];
+    std::array<Neighbour, kFacing> around;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    const std::uint32_t count =
+        tree_.nearest(p, around, [&](std::uint32_t j) { return j != i && cloud_.normal[j].unpack().dot(n) > kOneWay; });
+    return kMostFacing <= std::count_if(around.begin(), around.begin() + count, [&](const Neighbour& other) {
+             const float heights = (cloud_.normal[other.index].unpack() + n).dot(cloud_.position[other.index] - p);
+             return std::abs(heights) <= 2 * kMostHeight * std::sqrt(other.distance2);
+           });
+  }
+
+  Cloud& cloud_;
+  const KdTree3& tree_;
+  float reach2_ = 0;  ///< square of the distance within which the eighth nearest of a point lies that is not sparse
+};
+
+}  // namespace
+
+std::size_t outliers_bytes(std::uint32_t points) { return Arena::rounded(sizeof(float) * std::min(kSamples, points)); }
+
+Expected<std::uint32_t> drop_outliers(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress) {
+  Outliers outliers(cloud, tree);
+  PLUMBLINE_TRY(outliers.measure(arena));
+  const auto mark = [&](std::uint32_t first, std::uint32_t last) { outliers.mark(first, last); };
+  if (!for_blocks(cloud.size, kBlock, progress, mark)) {
+    return fail(ErrorCode::kCancelled, "cancelled while outliers were looked for");
+  }
+  const auto radii = cloud.radius.first(cloud.size);
+  const auto count =
+      static_cast<std::uint32_t>(std::count_if(radii.begin(), radii.end(), [](float r) { return r < 0; }));
+  if (std::uint64_t{kFew} * count < cloud.size) return 0U;
+  cloud.keep([&](std::uint32_t i) { return cloud.radius[i] >= 0; });
+  return count;
+}
+
+}  // namespace plumbline
