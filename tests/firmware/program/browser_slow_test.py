@@ -81,9 +81,7 @@ class BrowserTest(PagePrinter):
             if folder := os.environ.get("PLUMBLINE_LOOK_AT"):
                 (Path(folder) / f"page-{name}-{columns}.png").write_bytes(self.browser.picture())
         part = "dialog[open]" if self.browser.run("return Boolean(document.querySelector('dialog[open]'))") else "body"
-        unnamed = [self.browser.run("return arguments[0].outerHTML", {"element-6066-11e4-a52e-4f735466cecf": element})
-                   for element in self.browser.find_all(f"{part} :is(button, select, input, img, progress, a){SHOWN}")
-                   if not self.browser.label(element).strip()]
+        unnamed = self.browser.unnamed(f"{part} :is(button, select, input, img, progress, a){SHOWN}")
         self.assertEqual(unnamed, [], f"{name} has parts without a name")
         self.assertEqual([text for text in self.browser.messages() if not re.search(expected, text)], [])
 

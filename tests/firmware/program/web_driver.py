@@ -15,6 +15,10 @@ TAB, ENTER, ESCAPE, RIGHT = "\ue004", "\ue007", "\ue00c", "\ue014"
 SECONDS = 60
 
 
+class Stale(Exception):
+    """The page has drawn itself anew since the element was found."""
+
+
 class Browser:
     """Debian's chromium without a window. Ends with the test."""
 
@@ -52,7 +56,20 @@ class Browser:
             with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=SECONDS) as reply:
                 return json.load(reply)["value"]
         except urllib.error.HTTPError as error:
-            return self.test.fail(f"{method} {path} {body}: {json.load(error)['value']['message']}")
+            found = json.load(error)["value"]
+            if found["error"] == "stale element reference":
+                raise Stale from error
+            return self.test.fail(f"{method} {path} {body}: {found['message']}")
+
+    def afresh(self, action):
+        """Does what begins with finding elements, from its start again if they have gone meanwhile."""
+        end = time.monotonic() + SECONDS
+        while time.monotonic() < end:
+            try:
+                return action()
+            except Stale:
+                continue
+        return action()
 
     def open(self, address):
         self.call("POST", "/url", {"url": address})
@@ -75,10 +92,10 @@ class Browser:
         return [one[ELEMENT] for one in self.call("POST", "/elements", {"using": "css selector", "value": selector})]
 
     def click(self, selector):
-        self.call("POST", f"/element/{self.find(selector)}/click")
+        self.afresh(lambda: self.call("POST", f"/element/{self.find(selector)}/click"))
 
     def type(self, selector, text):
-        self.call("POST", f"/element/{self.find(selector)}/value", {"text": text})
+        self.afresh(lambda: self.call("POST", f"/element/{self.find(selector)}/value", {"text": text}))
 
     def press(self, *keys):
         """Keys for whatever has the focus."""
@@ -92,9 +109,10 @@ class Browser:
                    {"type": "pointerMove", "duration": 100, "origin": "pointer", "x": columns, "y": 0}, {"type": "pointerUp", "button": 0}]
         self.call("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": actions}]})
 
-    def label(self, element):
-        """The name that a screen reader says."""
-        return self.call("GET", f"/element/{element}/computedlabel")
+    def unnamed(self, selector):
+        """@returns the HTML of the elements for which a screen reader has no name to say"""
+        return self.afresh(lambda: [self.run("return arguments[0].outerHTML", {ELEMENT: element}) for element in self.find_all(selector)
+                                    if not self.call("GET", f"/element/{element}/computedlabel").strip()])
 
     def until(self, script, what):
         script = f"try {{ {script} }} catch (error) {{ if (!(error instanceof TypeError)) throw error }}"  # an element is not there yet
