@@ -21,20 +21,18 @@
 namespace plumbline {
 namespace {
 
-/// Support radii are cut to this many epsilons. It bounds the search for a ray's points where the scan is sparse, and loses
-/// little surface: a support of kMaxRadiusSupport points has a radius of 0.8 epsilon where the density is the median one.
-constexpr float kMaxRadiusShare = 1.15F;
-constexpr float kMaxRadiusSupport = 40;  ///< points; a larger support is cut at a proportionally larger radius
-/// Where more than one point in so many would be left with fewer points in its support than make a sheet, these are surface, such
-/// as the flat sides of a decimated mesh, and keep their supports. Fewer lie beside the surface, where few points face their way.
-constexpr std::uint32_t kWidest = 100;
-
 // Difference between a ray and the polynomial that may stand for it: this share of a layer, or of the noise if that is more.
 constexpr float kLayerShare = 1.0F / 50;
 constexpr float kNoiseShare = 1.0F / 10;
 
 /// Of the scan's noise: farther than so many from the surface, hardly a point lies by chance.
 constexpr float kNoiseReach = 4;
+
+/// Pixels. A ray that passes closer to a silhouette must see it, or the block of rays that shares its levels decides for it.
+constexpr float kLeastPixels = 1.25F;
+
+/// Factor by which the usual support grows until few are wider.
+constexpr float kWider = 1.25F;
 
 /// mm; below it the grid width w is 0 but for rounding: there are too few practical points for one.
 constexpr float kLeastWidth = 1e-4F;
@@ -46,7 +44,6 @@ class RayStages {
 
   Expected<CrossingStore> run() {
     PLUMBLINE_TRY(start_confidence());
-    PLUMBLINE_TRY(limit_supports());
     PLUMBLINE_TRY(join());
     PLUMBLINE_TRY(build_winding_tree());
     PLUMBLINE_TRY(build_flat_tree());
@@ -57,27 +54,6 @@ class RayStages {
  private:
   const PrintGrid& grid() const { return report_.placement.grid; }
   float epsilon_mm() const { return report_.lengths.epsilon.value; }
-
-  /// Finds the radius to which supports are cut, before points are joined: sparse ones are not.
-  Status limit_supports() {
-    const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
-    const ArenaScope scope(arena_);
-    const auto radii = arena_.take_top<float>(std::min(cloud_.size, kMedianSample), "support radii");
-    PLUMBLINE_TRY(radii);
-    const auto samples = static_cast<std::uint32_t>(radii->size());
-    for (std::uint32_t s = 0; s < samples; ++s) {
-      (*radii)[s] = cloud_.radius[cloud_.sampled(s, samples)];
-    }
-    const auto widest = radii->begin() + (samples - 1 - samples / kWidest);
-    std::nth_element(radii->begin(), widest, radii->end());
-    const float usual = std::sqrt(std::max(1.0F, cloud_.support_points / kMaxRadiusSupport));
-    max_radius_ = kMaxRadiusShare * epsilon_mm() * usual;
-    if (!(*widest > max_radius_)) return {};
-    const float left = max_radius_ / *widest;
-    const auto sheet = static_cast<float>(kSparsePoints);
-    if (cloud_.support_points * left * left < sheet) max_radius_ = *widest;
-    return {};
-  }
 
   /// Joins points, more of them where the arena is short. The height of the base plane is measured first, since a joined point lies
   /// above its lowest one.
@@ -107,6 +83,28 @@ class RayStages {
     tree_ = *tree;
     report_.width_mm = grid_width(cloud_, *tree_) / spread_;
     if (!(report_.width_mm > kLeastWidth)) report_.width_mm = std::max(kLeastWidth, epsilon_mm());
+    return list_wide_supports();
+  }
+
+  /// Lists the supports of sparse surface, which the search for a ray's points meets apart from the others.
+  Status list_wide_supports() {
+    const auto radii = cloud_.radius.first(cloud_.size);
+    const auto is_wide = [&](float radius) { return widths_.is_wide(radius); };
+    const auto count = [&] { return static_cast<std::uint32_t>(std::ranges::count_if(radii, is_wide)); };
+    widths_.least = kLeastPixels * std::max(grid().pitch_x_mm, grid().pitch_y_mm);
+    widths_.usual = std::max(widths_.least, usual_support(epsilon_mm(), cloud_.support_points));
+    widths_.share = std::sqrt(kCleanSupport / cloud_.support_points);
+    while (count() > most_wide_supports(cloud_.size)) widths_.usual *= kWider;
+    const auto wide = arena_.take_top<std::uint32_t>(count(), "wide supports");
+    PLUMBLINE_TRY(wide);
+    std::size_t listed = 0;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (!is_wide(radii[i])) continue;
+      (*wide)[listed++] = i;
+      widths_.widest = std::max(widths_.widest, widths_.of(radii[i]));
+    }
+    std::ranges::sort(*wide, {}, [&](std::uint32_t i) { return std::pair(cloud_.position[i][0], i); });
+    widths_.wide = *wide;
     return {};
   }
 
@@ -142,7 +140,7 @@ class RayStages {
     field.winding = &winding_;
     field.grid = grid();
     field.width = report_.width_mm;
-    field.max_radius = max_radius_;
+    field.widths = widths_;
     field.tile_capacity = tile_capacity(cloud_.capacity());
     field.height_field = is_height_field();
     const float tolerance = std::max(kLayerShare * grid().layer_height_mm, kNoiseShare * report_.lengths.noise.value);
@@ -156,7 +154,7 @@ class RayStages {
   Arena& arena_;
   ProgressSink* progress_;
   SliceReport& report_;
-  float max_radius_ = 0;   ///< mm, see RayGatherer::create()
+  SupportWidths widths_;
   float base_height_ = 0;  ///< mm
   float spread_ = 1;       ///< distance of joined points over that of the scan's
   WindingTree winding_;

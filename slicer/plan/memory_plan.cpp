@@ -85,14 +85,15 @@ Stage MemoryPlan::widest() const {
 std::uint32_t tile_capacity(std::uint32_t points) { return std::min<std::uint32_t>(points, 32768); }
 
 std::size_t ray_points_bytes(std::uint32_t points) {
-  return (Cloud::kBytesPerPoint + KdTree2::kBytesPerPoint) * std::size_t{points} + WindingTree::bytes_needed(points);
+  return (Cloud::kBytesPerPoint + KdTree2::kBytesPerPoint) * std::size_t{points} + WindingTree::bytes_needed(points) +
+         sizeof(std::uint32_t) * most_wide_supports(points);
 }
 
 std::uint32_t ray_points_in(std::size_t bytes) {
   // In whole leaves of the winding number tree, the last of which takes less.
   constexpr std::uint32_t kMany = 1024;
   constexpr std::uint32_t kLeaf = 8;
-  const std::size_t leaves = bytes / (ray_points_bytes(kMany) / kMany * kLeaf);
+  const std::size_t leaves = bytes / (ray_points_bytes(kMany) * kLeaf / kMany);
   return static_cast<std::uint32_t>(std::min<std::size_t>(leaves * kLeaf, 2 * kMostPoints));
 }
 
@@ -137,9 +138,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const std::uint32_t ray_points = evidence.ray_points.value_or(
       std::clamp(ray_points_in(evidence.arena_bytes - std::min(evidence.arena_bytes, shooting)),
                  static_cast<std::uint32_t>(kLeastJoined * points), points));
-  const std::size_t radii = Arena::rounded(sizeof(float) * std::min(points, kMedianSample));
-  set(Stage::kWindingTree, kept + std::max(cloud + radii, Cloud::kBytesPerPoint * std::size_t{ray_points} +
-                                                              WindingTree::bytes_needed(ray_points)));
+  set(Stage::kWindingTree,
+      kept + std::max(cloud, Cloud::kBytesPerPoint * std::size_t{ray_points} + WindingTree::bytes_needed(ray_points)));
   set(Stage::kRayGrid, kept + ray_points_bytes(ray_points));
   set(Stage::kRays, kept + ray_points_bytes(ray_points) + store + workers);
   return plan;

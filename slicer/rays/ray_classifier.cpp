@@ -39,7 +39,7 @@ std::size_t RayClassifier::bytes_needed(std::uint32_t tile_capacity) {
 }
 
 Expected<RayClassifier> RayClassifier::create(const RayField& field, Arena& arena) {
-  const auto gatherer = RayGatherer::create(*field.cloud, *field.tree, field.tile_capacity, field.max_radius, arena);
+  const auto gatherer = RayGatherer::create(*field.cloud, *field.tree, field.tile_capacity, field.widths, arena);
   PLUMBLINE_TRY(gatherer);
   const auto column_winding = ColumnWinding::create(*field.winding, arena);
   PLUMBLINE_TRY(column_winding);
@@ -228,9 +228,7 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   const float y = grid().y_of(row);
   ray_block_ = row % kTileSide / kBlock * (kTileSide / kBlock) + column % kTileSide / kBlock;
   const RayPoints& points = gatherer_.points_of_ray(x, y);
-  // Farther from all points than this (thesis III-4.a: no passing ray), MLS would only extrapolate.
-  const bool passing = gatherer_.nearest2() <= 2 * field_.width * field_.width;
-  const RaySurface surface = passing ? solver_.solve(gatherer_, points) : RaySurface{};
+  const RaySurface surface = solver_.solve(gatherer_, points);
   crossing_count_ = 0;
   used_winding_ = false;
   bool base = false;
@@ -273,7 +271,7 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   drop_thin_stretches();
   RayDecision decision = used_winding_ ? RayDecision::kWinding : RayDecision::kPerfect;
   if (base && crossing_count_ > 0) decision = winding_.tree().has_base() ? RayDecision::kBase : RayDecision::kWinding;
-  if (crossing_count_ == 0) decision = passing ? RayDecision::kOutside : RayDecision::kAway;
+  if (crossing_count_ == 0) decision = points.size > 0 ? RayDecision::kOutside : RayDecision::kAway;
   return {std::span<const RayCrossing>(crossings_).first(crossing_count_ / 2 * 2), decision};
 }
 

@@ -20,7 +20,7 @@ enum class RayDecision : std::uint8_t {
   kPerfect,  ///< its intersections alternate, and the winding number of the cloud agrees
   kWinding,  ///< the winding number of the cloud added or moved crossings
   kBase,     ///< its lowest crossing is the base plane, under an open underside
-  kAway,     ///< no crossings, and no point within sqrt(2) w; not counted
+  kAway,     ///< no crossings, and outside of all supports; not counted
 };
 inline constexpr std::size_t kRayDecisionCount = 4;
 
@@ -39,8 +39,8 @@ struct RayField {
   const KdTree2* tree = nullptr;
   const WindingTree* winding = nullptr;
   PrintGrid grid;
-  float width = 0.1F;               ///< w of thesis III-2.c, mm
-  float max_radius = 0;             ///< mm, see RayGatherer::create()
+  float width = 0.1F;  ///< w of thesis III-2.c, mm
+  SupportWidths widths;
   std::uint32_t tile_capacity = 0;  ///< points
   /// Nothing of the surface faces down and there is a base plane, so the ray is solid below its lowest crossing, whether the
   /// side walls were scanned or not.

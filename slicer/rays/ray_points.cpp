@@ -69,11 +69,11 @@ std::size_t RayGatherer::bytes_needed(std::uint32_t capacity) {
 }
 
 Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tree, std::uint32_t capacity,
-                                          float max_radius, Arena& arena) {
+                                          const SupportWidths& widths, Arena& arena) {
   RayGatherer gatherer;
   gatherer.cloud_ = &cloud;
   gatherer.tree_ = &tree;
-  gatherer.max_radius_ = max_radius;
+  gatherer.widths_ = widths;
   for (RayPoints* const points : {&gatherer.tile_, &gatherer.columns_}) {
     auto columns = RayPoints::create(capacity, arena, kStage);
     PLUMBLINE_TRY(columns);
@@ -88,12 +88,16 @@ Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tre
 }
 
 void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
-  const Vec3f from(low[0] - max_radius_, low[1] - max_radius_, 0);
-  const Vec3f to(high[0] + max_radius_, high[1] + max_radius_, 0);
+  const Vec3f from(low[0] - widths_.usual, low[1] - widths_.usual, 0);
+  const Vec3f to(high[0] + widths_.usual, high[1] + widths_.usual, 0);
   const auto order = tree_->order();
+  const auto left_of = [&](std::uint32_t i, float x) { return cloud_->position[i][0] < x; };
+  const auto& wide = widths_.wide;
+  const auto first_wide = std::lower_bound(wide.begin(), wide.end(), low[0] - widths_.widest, left_of);
+  const auto last_wide = std::lower_bound(first_wide, wide.end(), high[0] + widths_.widest, left_of);
   const auto seen = [&](std::uint32_t i) {
     const Vec3f& p = cloud_->position[i];
-    const float radius = std::min(cloud_->radius[i], max_radius_);
+    const float radius = widths_.of(cloud_->radius[i]);
     const float dx = std::max({low[0] - p[0], 0.0F, p[0] - high[0]});
     const float dy = std::max({low[1] - p[1], 0.0F, p[1] - high[1]});
     return dx * dx + dy * dy < radius * radius;
@@ -104,14 +108,17 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
     count_ = 0;
     std::uint32_t met = 0;
     std::uint32_t next = 0;
+    const auto meet = [&](std::uint32_t i) {
+      if (!seen(i) || met++ != next || count_ == capacity) return;
+      next += n;
+      chosen_[count_++] = depth_key(cloud_->position[i][2], i);
+    };
     tree_->visit_box(from, to, [&](std::uint32_t first, std::uint32_t last) {
       for (std::uint32_t at = first; at < last; ++at) {
-        const std::uint32_t i = order[at];
-        if (!seen(i) || met++ != next || count_ == capacity) continue;
-        next += n;
-        chosen_[count_++] = depth_key(cloud_->position[i][2], i);
+        if (!widths_.is_wide(cloud_->radius[order[at]])) meet(order[at]);
       }
     });
+    std::for_each(first_wide, last_wide, meet);
     return met;
   };
   const std::uint32_t met = keep(1);
@@ -125,7 +132,7 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
     const auto i = static_cast<std::uint32_t>(chosen_[t]);
     const Vec3f& p = cloud_->position[i];
     const PackedNormal& n = cloud_->normal[i];
-    const float radius = std::min(cloud_->radius[i], max_radius_);
+    const float radius = widths_.of(cloud_->radius[i]);
     x_[t] = p[0];
     y_[t] = p[1];
     radius_[t] = radius;
@@ -147,13 +154,11 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
   RayPoints& c = columns_;
   c.size = count;
   c.reach = 0;
-  nearest2_ = std::numeric_limits<float>::infinity();
   for (std::uint32_t j = 0; j < count; ++j) {
     const auto t = static_cast<std::uint32_t>(chosen_[j]);
     const float radius = radius_[t];
     half_chord_[j] = std::sqrt(radius * radius - tile_.distance2[t]);
     c.reach = std::max(c.reach, radius);
-    nearest2_ = std::min(nearest2_, tile_.distance2[t]);
     c.copy(j, tile_, t);
   }
   c.close();

@@ -1,13 +1,29 @@
 #pragma once
 /// Gathers the points near a ray, with one search in the 2D tree for a tile of rays.
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/implicit/mls.hpp"
 
 namespace plumbline {
+
+/// How wide supports are on rays. A few may be far wider than the others, where the scan is sparse: a search as wide as these would
+/// meet too many points everywhere.
+struct SupportWidths {
+  float usual = 0;   ///< mm; wider ones are cut to this, or, if they are listed, to `share` of their radius
+  float share = 0;   ///< 0 to 1
+  float least = 0;   ///< mm; narrower ones are widened to this
+  float widest = 0;  ///< mm, of those that are listed
+  std::span<const std::uint32_t> wide = {};  ///< all points of which that share is wider than usual, by x
+
+  bool is_wide(float radius) const { return share * radius > usual; }
+  /// Of the support of a point with that radius, mm.
+  float of(float radius) const { return std::max(least, std::min(radius, std::max(usual, share * radius))); }
+};
 
 /// Gathers the points around a tile of rays once, sorts them by depth and picks those of each ray. One object a thread; its
 /// memory is taken once.
@@ -16,10 +32,9 @@ class RayGatherer {
   /// Bytes of arena for tiles of up to `capacity` points.
   static std::size_t bytes_needed(std::uint32_t capacity);
 
-  /// @param capacity    points a tile; if it has more, every n-th is used
-  /// @param max_radius  mm; larger support radii are cut to this, which bounds the search
+  /// @param capacity  points a tile; if it has more, every n-th is used
   [[nodiscard]] static Expected<RayGatherer> create(const Cloud& cloud, const KdTree2& tree, std::uint32_t capacity,
-                                                    float max_radius, Arena& arena);
+                                                    const SupportWidths& widths, Arena& arena);
 
   /// Gathers for rays in the rectangle [low, high], mm.
   void gather(const Vec2f& low, const Vec2f& high);
@@ -36,8 +51,6 @@ class RayGatherer {
 
   /// The points of the ray at (x, y), which must be in the tile. Valid until the next call.
   const RayPoints& points_of_ray(float x, float y);
-  /// Squared distance in the plane of the nearest of them, mm^2; infinite if there are none.
-  float nearest2() const { return nearest2_; }
   /// All points of the tile that may have weight at a depth, mm, and others that have none on the ray.
   RayPoints points_near(float x, float y, float depth);
   /// Half the length of ray, mm, on which point j of the last points_of_ray() has weight.
@@ -46,7 +59,7 @@ class RayGatherer {
  private:
   const Cloud* cloud_ = nullptr;
   const KdTree2* tree_ = nullptr;
-  float max_radius_ = 0;
+  SupportWidths widths_;
   // Of the tile's points, with room for kLanes more than the capacity. What depends on the ray is set for one after another.
   RayPoints tile_;
   std::span<float> x_;
@@ -56,7 +69,6 @@ class RayGatherer {
   std::span<float> half_chord_;
   RayPoints columns_;
   std::uint32_t count_ = 0;
-  float nearest2_ = 0;    ///< see nearest2()
   float tile_reach_ = 0;  ///< largest radius of the tile's points, mm
   bool thinned_ = false;
 };

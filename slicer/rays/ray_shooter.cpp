@@ -108,8 +108,8 @@ Expected<CrossingStore> shoot_all_rays(const RayField& field, float tolerance, C
   auto store = CrossingStore::create(field.grid, arena);
   PLUMBLINE_TRY(store);
   Box3f bounds = field.cloud->bounds();
-  bounds.low -= Vec3f::Constant(field.max_radius);
-  bounds.high += Vec3f::Constant(field.max_radius);
+  bounds.low -= Vec3f::Constant(std::max(field.widths.usual, field.widths.widest));
+  bounds.high += Vec3f::Constant(std::max(field.widths.usual, field.widths.widest));
   // One thread shoots all tiles that share a column's winding numbers.
   constexpr std::uint32_t kSide = RayClassifier::kColumnTiles;
   const std::uint32_t across = (store->tile_columns() + kSide - 1) / kSide;

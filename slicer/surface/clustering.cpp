@@ -23,6 +23,9 @@ constexpr std::int32_t kFewNeighbours = 8;
 constexpr float kCleanNoise = 0.02F;
 constexpr float kFullNoise = 0.096F;
 
+constexpr float kUsualSupport = 1.15F;  ///< epsilons
+constexpr float kUsualPoints = 40;      ///< of a support of .8 epsilon; wider ones may be wider in proportion
+
 /// Share of the 2 minPts points within epsilon of the median point that face its way where there is a surface. Scans
 /// have 0.6 to 1, a sphere of 150 points 0.43; random normals have 1/8 by the metric, normals fitted to random points
 /// 0.3.
@@ -142,9 +145,9 @@ class Clusterer {
       // A point beside a sheet is an outlier, such as a flying pixel, however many neighbours it has on the sheet.
       const bool on_sheet = std::abs(c.offset) < kMostHeight * epsilon_ * static_cast<float>(c.near);
       if (on_sheet) flags_[i] |= kSparse;
-    } else if (const auto radius = sparse_surface_radius(cloud_, tree_, i, epsilon_)) {
+    } else if (const auto share = sparse_share(cloud_, tree_, i, epsilon_)) {
       flags_[i] |= kSparse;
-      cloud_.radius[i] = std::max(cloud_.radius[i], *radius);
+      cloud_.radius[i] = std::max(cloud_.radius[i], *share);
     }
   }
 
@@ -208,6 +211,10 @@ class Clusterer {
 };
 
 }  // namespace
+
+float usual_support(float epsilon, float support_points) {
+  return kUsualSupport * epsilon * std::sqrt(std::max(1.0F, support_points / kUsualPoints));
+}
 
 Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, Arena& arena, std::uint32_t most_samples) {
   const ArenaScope scope(arena);

@@ -19,13 +19,13 @@ inline constexpr std::uint32_t kMinPts = 30;
 /// A core point has more than this share of neighbours of its own type (thesis).
 inline constexpr double kSameTypeShare = 0.75;
 /// Points of a support on a clean scan. More lose detail: slicer/EXPERIMENTS.md.
-inline constexpr float kCleanSupport = 15;
+inline constexpr float kCleanSupport = 8;
 /// Points of a support on a noisy scan. More lose detail and take time.
 inline constexpr float kNoisySupport = 100;
 
-/// Epsilons. Beyond the thesis, a noise point keeps its type if it lies on a sheet of kSparsePoints points, itself included, within that
-/// distance by the same metric. Such a sheet is a part of the surface that few views saw. The rule does not apply where most points are
-/// outliers.
+/// Epsilons. Beyond the thesis, a noise point keeps its type if it lies on a sparse sheet: sparse_share(). Within that distance the sheet
+/// is tested as a whole, beyond it point by point. Such a sheet is a part of the surface that few views saw. The rule does not apply where
+/// most points are outliers.
 inline constexpr float kSparseRadius = 3;
 enum class SparseSurface : std::uint8_t { kKept, kNoise };  ///< kNoise: as in the thesis
 
@@ -49,6 +49,12 @@ struct ClusteringResult : ClusteringCounts {
   float noise =
       0;  ///< standard deviation of points off the sheet of their neighbours, from the median; unit of the cloud
 };
+
+/// Radius of a support on a sheet of the median density and somewhat wider, in the unit of epsilon. Only where the scan is sparse, and only
+/// as far as kCleanSupport points need it, rays look farther.
+float usual_support(float epsilon, float support_points);
+/// Supports that may be wider on rays, or what is usual grows until no more are.
+inline std::uint32_t most_wide_supports(std::uint32_t points) { return points / 32; }
 
 /// Arena bytes that cluster() takes.
 std::size_t clustering_bytes(std::uint32_t points);

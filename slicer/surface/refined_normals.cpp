@@ -113,7 +113,7 @@ Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, const KdTree3& tree,
   if (std::abs(side) < kMinSide * static_cast<float>(planes.points().size())) return own;
   Vec3f fitted = side > 0 ? *normal : Vec3f(-*normal);
   // A plane that would turn the normal over is that of a wall's other side if the point lies on a sheet as it is.
-  if (fitted.dot(own) < -kOneWay && sparse_surface_radius(cloud, tree, i, epsilon)) return own;
+  if (fitted.dot(own) < -kOneWay && sparse_share(cloud, tree, i, epsilon)) return own;
   return fitted;
 }
 

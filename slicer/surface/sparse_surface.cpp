@@ -10,32 +10,44 @@
 namespace plumbline {
 namespace {
 
-/// Nearest points searched: more than the 5 needed, since some are too far by the metric of the clustering.
-constexpr std::uint32_t kSearch = 16;
+constexpr std::uint32_t kSheetPoints = 8;  ///< of a sparse sheet, the point itself included
+constexpr std::uint32_t kMayDiffer = 2;    ///< of these
+constexpr float kFarthest =
+    8;  ///< epsilons. A sheet has so many points within it up to some 400 times as sparse as most of the scan
+constexpr float kAgree = 0.5F;  ///< least inner product of the normals of points that agree
+/// Nearest points searched: more than are needed, since some are too far by the metric of the clustering.
+constexpr std::uint32_t kSearch = 24;
 constexpr float kRounded = 1.001F;  ///< of normals: the square of their length is 1 at most but for this
 
 }  // namespace
 
-std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon) {
+std::optional<float> sparse_share(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon) {
   std::array<Neighbour, kSearch> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-  const float radius2 = kSparseRadius * epsilon * kSparseRadius * epsilon;
+  const auto square = [&](float epsilons) { return epsilons * epsilon * epsilons * epsilon; };
   const Vec3f normal = cloud.normal[i].unpack();
   // Behind a thin wall the points of the other side may be nearer, and many more.
   const auto faces_its_way = [&](std::uint32_t other) { return cloud.normal[other].unpack().dot(normal) > 0; };
-  const std::uint32_t count = tree.nearest(cloud.position[i], found, faces_its_way, kRounded * radius2);
+  const std::uint32_t count = tree.nearest(cloud.position[i], found, faces_its_way, kRounded * square(kFarthest));
   std::uint32_t near = 0;
+  std::uint32_t agreeing = 0;
   float farthest2 = 0;
-  float height = 0;
-  float distance = 0;
-  for (std::uint32_t k = 0; k < count && near < kSparsePoints; ++k) {
+  float heights = 0;
+  float distances = 0;
+  for (std::uint32_t k = 0; k < count && near < kSheetPoints; ++k) {
     const Vec3f other = cloud.normal[found[k].index].unpack();
-    if (!Within{found[k].distance2, normal.dot(other)}.near(radius2)) continue;
+    const float cosine = normal.dot(other);
+    if (!Within{found[k].distance2, cosine}.near(square(kFarthest))) continue;
     ++near;
     farthest2 = found[k].distance2;
-    height += 0.5F * (normal + other).dot(cloud.position[i] - cloud.position[found[k].index]);
-    distance += std::sqrt(farthest2);
+    const float height = 0.5F * (normal + other).dot(cloud.position[i] - cloud.position[found[k].index]);
+    const float distance = std::sqrt(farthest2);
+    agreeing += cosine > kAgree && std::abs(height) <= kMostHeight * distance ? 1 : 0;
+    heights += height;
+    distances += distance;
   }
-  if (near < kSparsePoints || std::abs(height) > kMostHeight * distance) return std::nullopt;
+  const bool agrees = agreeing + kMayDiffer >= kSheetPoints;
+  if (near < kSheetPoints || std::abs(heights) > kMostHeight * distances) return std::nullopt;
+  if (farthest2 > square(kSparseRadius) && !agrees) return std::nullopt;
   return std::sqrt(farthest2 / static_cast<float>(near));
 }
 
@@ -46,10 +58,10 @@ Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, float epsilon, c
       PackedNormal& normal = cloud.normal[i];
       if (cloud.is_surface(i) || !normal.known()) continue;
       // Reads no class or radius of another point, so the order of the points does not matter.
-      const auto radius = sparse_surface_radius(cloud, tree, i, epsilon);
-      if (!radius) continue;
+      const auto share = sparse_share(cloud, tree, i, epsilon);
+      if (!share) continue;
       normal.point_class = orientation_of(normal);
-      cloud.radius[i] = std::max(cloud.radius[i], growth * *radius);
+      cloud.radius[i] = std::max(cloud.radius[i], growth * *share);
     }
   };
   if (for_blocks(cloud.size, kSharedSearch, progress, rescue_block)) return {};

@@ -11,16 +11,18 @@
 
 namespace plumbline {
 
-/// Tests whether point i lies on a sparse sheet of points that face its way. Of the nearest of these, kSparsePoints
-/// (itself included) must lie within kSparseRadius * epsilon by the metric of the clustering, and its mean height over
-/// them must be at most kMostHeight of their mean distance:
+/// Tests whether point i lies on a sparse sheet of points that face its way. Of the nearest of these, kSheetPoints (itself included) must
+/// lie within kFarthest * epsilon by the metric of the clustering, and its mean height over them must be at most kMostHeight of
+/// their mean distance:
 ///
 ///   height = 1/2 <n_i + n_j, p_i - p_j>
 ///
-/// On a curved surface the two halves of a height cancel; for a point off the surface they add up.
+/// On a curved surface the two halves of a height cancel; for a point off the surface they add up. Beyond kSparseRadius * epsilon an
+/// outlier always finds some points of which that is true: there, all but kMayDiffer of them must agree with the point, that is, face its
+/// way within 60 degrees, and each lie no higher than that.
 ///
 /// @returns the radius of a disc as large as the point's share of that sheet, mm; nothing if it lies on none
-std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon);
+std::optional<float> sparse_share(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon);
 
 /// Repeats that test for all noise points. Many were noise because of a wrong normal, so call it after refine_normals()
 /// has fitted new ones. Don't call it where most points are outliers: a few of them always happen to face the same way.

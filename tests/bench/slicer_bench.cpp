@@ -186,7 +186,7 @@ void row_of_ray_tiles(benchmark::State& state) {
                        .winding = &winding,
                        .grid = grid,
                        .width = grid_width(scanned.cloud, scanned.tree),
-                       .max_radius = scanned.max_radius(),
+                       .widths = scanned.widths(),
                        .tile_capacity = 32768};
   RayClassifier classifier = value_of(RayClassifier::create(field, *arena));
   const std::uint32_t row = kSide / 2 / kTile * kTile;

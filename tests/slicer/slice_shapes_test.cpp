@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tests/slicer/support/slicing.hpp"
 
@@ -71,10 +72,14 @@ TEST(SliceShapes, ASphereWithASparseHalfKeepsItsSurface) {
   expect_every_ray_closed(sliced);
 }
 
-// Its points were once flying points, one by one from the top, and a fifth of the sphere was lost.
+// Its points were once flying points, one by one from the top, and a fifth of the sphere was lost. Where the half had one point in 300, it
+// was too far from the scan's usual neighbourhoods to be surface, and 44 % were lost.
 TEST(SliceShapes, ASphereWithAVerySparseHalfKeepsItsVolume) {
-  const Slicing sliced(binary_ply(sphere_with_sparse_half(60000, 60)), settings_with_pitch(0.2F), 64 * kMiB);
-  EXPECT_NEAR(sliced.volume() / sphere_volume(20), 1, 0.005);
+  for (const auto& [ratio, lost] : {std::pair(60, 0.005), std::pair(300, 0.04)}) {
+    const Slicing sliced(binary_ply(sphere_with_sparse_half(60000, ratio)), settings_with_pitch(0.2F), 64 * kMiB);
+    EXPECT_NEAR(sliced.volume() / sphere_volume(20), 1, lost) << ratio;
+    expect_every_ray_closed(sliced);
+  }
 }
 
 /// A plate of 14 x 12 mm with points .3 mm apart and noise of .05 mm, which lies flat.

@@ -111,7 +111,7 @@ class MlsOfRandomPoints : public ::testing::Test {
     cloud_ = cloud_of(random_points(3000, random), *arena_);
     for (float& r : cloud_.radius) r = static_cast<float>(random.uniform(0.2, 1.5));
     tree_.emplace(value_of(KdTree2::build(cloud_.positions(), *arena_, "test")));
-    gatherer_ = value_of(RayGatherer::create(cloud_, *tree_, 3000, kMaxRadius, *arena_));
+    gatherer_ = value_of(RayGatherer::create(cloud_, *tree_, 3000, {kMaxRadius}, *arena_));
   }
   static constexpr float kMaxRadius = 1.2F;  // smaller than some of the radii
   ArenaBlock arena_{kMiB};
@@ -172,7 +172,7 @@ TEST(Mls, IsCentredInASheetAndOffCentreAtItsEdge) {
   ArenaBlock arena(16 * kMiB);
   const Cloud cloud = cloud_of(sheet({0, 0, 5}, {10, 0, 0}, {0, 10, 0}, 0.05, 0.2, random), *arena, kRadius);
   const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), *arena, "test"));
-  RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, kRadius, *arena));
+  RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, {kRadius}, *arena));
   const auto off_centre_at = [&](float x) {
     gatherer.gather({x, 5}, {x, 5});
     const RayPoints& points = gatherer.points_of_ray(x, 5);
@@ -197,7 +197,7 @@ TEST_F(MlsOfRandomPoints, SortsThePointsOfARayByDepth) {
 }
 
 TEST_F(MlsOfRandomPoints, TakesAnEvenShareOfTooManyPointsInATile) {
-  RayGatherer small = value_of(RayGatherer::create(cloud_, *tree_, 100, kMaxRadius, *arena_));
+  RayGatherer small = value_of(RayGatherer::create(cloud_, *tree_, 100, {kMaxRadius}, *arena_));
   small.gather({2, 2}, {8, 8});
   EXPECT_TRUE(small.thinned());
   EXPECT_LE(small.tile_points(), 100U);
@@ -213,7 +213,7 @@ TEST(Mls, IsTheDistanceToAPlaneExactly) {
   ArenaBlock arena(4 * kMiB);
   const Cloud cloud = cloud_of(sheet(corner, u, v, 0.2, 0.5, random), *arena, 0.8F);
   const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), *arena, "test"));
-  RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, 1, *arena));
+  RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, {1}, *arena));
   const Vec3d middle = corner + 0.5 * (u + v);
   gatherer.gather(middle.head<2>().cast<float>(), middle.head<2>().cast<float>());
   const RayPoints& points = gatherer.points_of_ray(static_cast<float>(middle[0]), static_cast<float>(middle[1]));
@@ -231,7 +231,7 @@ TEST(Mls, RoundsAnEdgeMuchLessThanTheSupportRadius) {
   ArenaBlock arena(4 * kMiB);
   const Cloud cloud = cloud_of(surface, *arena, 1);
   const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), *arena, "test"));
-  RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, 1, *arena));
+  RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, {1}, *arena));
   double error = 0;
   double plain = 0;
   for (double beside = 0.1; beside < 1; beside += 0.1) {
@@ -255,7 +255,7 @@ TEST(Mls, IsTheDistanceToTheNearerFaceOfAThinWallOrGap) {
     ArenaBlock arena(4 * kMiB);
     const Cloud cloud = cloud_of(surface, *arena, 1);
     const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), *arena, "test"));
-    RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, 1, *arena));
+    RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, {1}, *arena));
     gatherer.gather({3.1F, 2.9F}, {3.1F, 2.9F});
     const RayPoints& points = gatherer.points_of_ray(3.1F, 2.9F);
     for (const float z : {4.8F, 4.95F, 5.05F, 5.25F, 5.35F, 5.5F}) {
@@ -273,7 +273,7 @@ TEST(Mls, HasNoErrorOfTheOrderOfTheCurvatureOfASphere) {
     ArenaBlock arena(32 * kMiB);
     const Cloud cloud = cloud_of(sphere(sphere_points(radius, 0.08), radius, centre), *arena, support);
     const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), *arena, "test"));
-    RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, support, *arena));
+    RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, {support}, *arena));
     gatherer.gather({12, 12}, {12, 12});
     const RayPoints& points = gatherer.points_of_ray(12, 12);
     const float top = 22;

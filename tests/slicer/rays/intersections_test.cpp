@@ -23,7 +23,7 @@ class RayLaboratory {
       : arena_(surface.size() * 120 + 4 * kMiB), scan_(clustered(surface, *arena_)) {
     width_ = grid_width(scan_.cloud, scan_.tree);
     if (width_ <= 0) width_ = scan_.clustering.epsilon;
-    gatherer_ = value_of(RayGatherer::create(scan_.cloud, scan_.tree, scan_.cloud.size, scan_.max_radius(), *arena_));
+    gatherer_ = value_of(RayGatherer::create(scan_.cloud, scan_.tree, scan_.cloud.size, scan_.widths(), *arena_));
     solver_ = RaySolver(width_);
   }
   RayLaboratory(const RayLaboratory&) = delete;
@@ -209,7 +209,7 @@ TEST(Intersections, HaveBandsThatAreTheUnionOfTheSupportRadii) {
     const double y = random.uniform(3, 13);
     std::vector<std::pair<double, double>> chords;
     for (std::uint32_t p = 0; p < cloud.size; ++p) {
-      const double h = std::min(cloud.radius[p], laboratory.scan().max_radius());
+      const double h = std::min(cloud.radius[p], laboratory.scan().widths().usual);
       const double half2 = h * h - std::pow(cloud.position[p][0] - x, 2) - std::pow(cloud.position[p][1] - y, 2);
       if (half2 <= 0) continue;
       chords.emplace_back(cloud.position[p][2] - std::sqrt(half2), cloud.position[p][2] + std::sqrt(half2));

@@ -35,7 +35,7 @@ std::vector<float> crossings(const Surface& surface, std::uint32_t layers = 200)
                        .winding = &winding,
                        .grid = grid,
                        .width = 0.3F,
-                       .max_radius = kRadius,
+                       .widths = {kRadius},
                        .tile_capacity = cloud.size};
   RayClassifier classifier = value_of(RayClassifier::create(field, arena));
   classifier.begin_tile(48, 48);

@@ -39,7 +39,7 @@ class LatticeLaboratory {
                          .winding = &winding_,
                          .grid = grid,
                          .width = 2 * static_cast<float>(spacing),
-                         .max_radius = radius,
+                         .widths = {radius},
                          .tile_capacity = cloud_.size};
     classifier_ = value_of(RayClassifier::create(field, *arena_));
   }

@@ -10,6 +10,7 @@
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
+#include "slicer/rays/ray_points.hpp"
 #include "slicer/surface/clustering.hpp"
 #include "tests/slicer/support/surfaces.hpp"
 
@@ -58,8 +59,8 @@ struct ClusteredScan {
   ClusteringResult clustering;
   KdTree2 tree;
 
-  /// Supports are cut to this, as slice() does.
-  float max_radius() const { return 1.15F * clustering.epsilon * std::sqrt(std::max(1.0F, cloud.support_points / 40)); }
+  /// Supports are cut to what slice() finds usual. None is listed as wide.
+  SupportWidths widths() const { return {usual_support(clustering.epsilon, cloud.support_points)}; }
 };
 inline ClusteredScan clustered(const Surface& surface, Arena& arena, SparseSurface sparse = SparseSurface::kKept) {
   Cloud cloud = cloud_of(surface, arena);

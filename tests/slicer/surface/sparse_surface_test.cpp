@@ -83,7 +83,7 @@ TEST(SparseSurface, IncludesTheSparseSideOfAThinWall) {
   const Cloud cloud = cloud_of(surface, *block);
   const KdTree3 tree = value_of(KdTree3::build(cloud.positions(), *block, "test"));
   for (std::uint32_t i = from; i < cloud.size; ++i) {
-    EXPECT_TRUE(sparse_surface_radius(cloud, tree, i, 0.6F).has_value()) << cloud.position[i].transpose();
+    EXPECT_TRUE(sparse_share(cloud, tree, i, 0.6F).has_value()) << cloud.position[i].transpose();
   }
 }
 
@@ -96,7 +96,7 @@ TEST(SparseSurface, LeavesOutPointsBesideIt) {
   const Cloud cloud = cloud_of(surface, *block);
   const KdTree3 tree = value_of(KdTree3::build(cloud.positions(), *block, "test"));
   for (std::uint32_t i = from; i < cloud.size; ++i) {
-    EXPECT_FALSE(sparse_surface_radius(cloud, tree, i, 0.55F).has_value()) << cloud.position[i].transpose();
+    EXPECT_FALSE(sparse_share(cloud, tree, i, 0.55F).has_value()) << cloud.position[i].transpose();
   }
 }
 
