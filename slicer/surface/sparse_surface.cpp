@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "slicer/cloud/neighbourhood.hpp"
 #include "slicer/core/loop_progress.hpp"
+#include "slicer/core/numbers/median.hpp"
 
 namespace plumbline {
 namespace {
@@ -17,7 +19,9 @@ constexpr float kFarthest =
 constexpr float kAgree = 0.5F;  ///< least inner product of the normals of points that agree
 /// Nearest points searched: more than are needed, since some are too far by the metric of the clustering.
 constexpr std::uint32_t kSearch = 24;
-constexpr float kRounded = 1.001F;  ///< of normals: the square of their length is 1 at most but for this
+constexpr std::uint32_t kAround = 8;  ///< nearest points whose supports are compared with a wide one
+constexpr float kWiderThan = 1.25F;   ///< times their median
+constexpr float kRounded = 1.001F;    ///< of normals: the square of their length is 1 at most but for this
 
 }  // namespace
 
@@ -66,6 +70,30 @@ Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, float epsilon, c
   };
   if (for_blocks(cloud.size, kSharedSearch, progress, rescue_block)) return {};
   return fail(ErrorCode::kCancelled, "cancelled while sparse parts of the surface were looked for");
+}
+
+Status level_wide_supports(Cloud& cloud, const KdTree3& tree, float epsilon, Arena& arena) {
+  const ArenaScope scope(arena);
+  const auto levelled = arena.take_top<float>(cloud.size, "wide supports");
+  PLUMBLINE_TRY(levelled);
+  const float usual = usual_support(epsilon, cloud.support_points);
+#pragma omp parallel for schedule(dynamic, 256)
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    float& radius = (*levelled)[i] = cloud.radius[i];
+    if (!(radius > usual) || !cloud.is_surface(i)) continue;
+    const Vec3f normal = cloud.normal[i].unpack();
+    const auto counts = [&](std::uint32_t other) {
+      return other != i && cloud.is_surface(other) && cloud.normal[other].unpack().dot(normal) > 0;
+    };
+    std::array<Neighbour, kAround> near;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::array<float, kAround> radii{};
+    const std::uint32_t count = tree.nearest(cloud.position[i], near, counts);
+    if (count == 0) continue;
+    for (std::uint32_t k = 0; k < count; ++k) radii[k] = cloud.radius[near[k].index];
+    radius = std::max(usual, std::min(radius, kWiderThan * median(std::span(radii).first(count))));
+  }
+  std::ranges::copy(*levelled, cloud.radius.begin());
+  return {};
 }
 
 }  // namespace plumbline

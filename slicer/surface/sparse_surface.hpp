@@ -6,6 +6,7 @@
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/arena.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/surface/clustering.hpp"
 
@@ -30,5 +31,11 @@ std::optional<float> sparse_share(const Cloud& cloud, const KdTree3& tree, std::
 /// @retval ErrorCode::kCancelled
 [[nodiscard]] Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, float epsilon,
                                            const StageProgress& progress = {});
+
+/// Cuts supports of more than usual_support() to 1.25 times the median of those of the nearest points that face the same way: where a few
+/// points happen to be far apart, or face the way of those of another part, the surface is no sparser.
+/// @param cloud  in the order of `tree`, with classes and supports
+/// @param arena  4 bytes a point from the top, released on return
+[[nodiscard]] Status level_wide_supports(Cloud& cloud, const KdTree3& tree, float epsilon, Arena& arena);
 
 }  // namespace plumbline

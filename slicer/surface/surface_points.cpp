@@ -183,6 +183,7 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
     surface.flying_points = *flying;
   }
   count_points();
+  PLUMBLINE_TRY(level_wide_supports(cloud, tree, *epsilon, arena));
   surface.sampled = sample.keep(surface.floor);
   cloud.drop_noise();
   return surface;
