@@ -112,7 +112,7 @@ void ServiceManager::status(const PrintableText& text) {
 void ServiceManager::alive() {
   if (!watches()) return;
   const auto now = HostClock::now();
-  if (now - alive_at_ < std::chrono::nanoseconds(watchdog_) / 2) return;
+  if (alive_at_ && now - *alive_at_ < std::chrono::nanoseconds(watchdog_) / 2) return;
   // If it is lost, the next call tries again.
   if (send("WATCHDOG=1", Urgency::kMayBeLost)) alive_at_ = now;
 }

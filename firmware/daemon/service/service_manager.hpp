@@ -2,6 +2,7 @@
 /// Notifies the service manager (systemd) that started the daemon: sd_notify(3), one datagram a message.
 
 #include <chrono>
+#include <optional>
 #include <string_view>
 
 #include "firmware/io/text/fixed_text.hpp"
@@ -48,7 +49,7 @@ class ServiceManager {
 
   int socket_ = -1;  ///< connected; -1: no manager
   std::chrono::microseconds watchdog_{};
-  HostClock::time_point alive_at_;
+  std::optional<HostClock::time_point> alive_at_;
   FixedText<256> status_;  ///< the last one sent
 };
 
