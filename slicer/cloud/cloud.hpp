@@ -18,8 +18,8 @@ inline constexpr float kOneWay = 0.5F;
 /// Largest mean height of a point over its neighbours' planes, over their distance, for a point on their sheet. Estimated normals at a
 /// corner make up to 0.1; a point straight above a sheet has 1.
 inline constexpr float kMostHeight = 0.2F;
-/// Fewest points that make a sheet, one that few views saw. More lose the walls of narrow bores: slicer/EXPERIMENTS.md.
-inline constexpr std::uint32_t kSparsePoints = 5;
+/// Fewest points that make a sheet, one that few views saw.
+inline constexpr std::uint32_t kSparsePoints = 8;
 
 /// |n_z| below which a unit normal is neutral: sin(5 degrees), the thesis' tolerance for the error of a scanned normal.
 inline constexpr float kNeutralSine = 0.087155743F;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "slicer/cloud/neighbourhood.hpp"
 #include "slicer/cloud/tangent_plane.hpp"
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/numbers/median.hpp"
@@ -113,8 +114,7 @@ class Outliers {
     });
   }
 
-  /// Whether a point with a normal lies on the tangent planes of others that face its way, and they on its own. In a narrow bore the two
-  /// heights of a pair cancel. Of outliers with normals at random 1 in 100 does.
+  /// Whether a point with a normal agrees with others that face its way. Of outliers with normals at random 1 in 100 does.
   bool agrees_with_neighbours(std::uint32_t i) const {
     if (!cloud_.normal[i].known()) return false;
     const Vec3f n = cloud_.normal[i].unpack();
@@ -122,10 +122,8 @@ class Outliers {
     std::array<Neighbour, kFacing> around;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     const std::uint32_t count =
         tree_.nearest(p, around, [&](std::uint32_t j) { return j != i && cloud_.normal[j].unpack().dot(n) > kOneWay; });
-    return kMostFacing <= std::count_if(around.begin(), around.begin() + count, [&](const Neighbour& other) {
-             const float heights = (cloud_.normal[other.index].unpack() + n).dot(cloud_.position[other.index] - p);
-             return std::abs(heights) <= 2 * kMostHeight * std::sqrt(other.distance2);
-           });
+    return kMostFacing <= std::count_if(around.begin(), around.begin() + count,
+                                        [&](const Neighbour& other) { return agree(cloud_, i, other); });
   }
 
   Cloud& cloud_;

@@ -1,11 +1,11 @@
 #pragma once
 /// The part of the panel that the object covers.
 
-#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <span>
 
+#include "slicer/rrep/mask_extent.hpp"
 #include "slicer/rrep/rrep.hpp"
 
 namespace plumbline {
@@ -32,24 +32,9 @@ void for_each_marked(std::span<const std::uint64_t> marks, Visit visit) {
 
 /// The smallest window that holds all crossings, and with them all masks: opening and closing make nothing larger.
 inline Window window_of(const RRep& rrep) {
-  const std::uint32_t columns = rrep.grid.columns;
-  Window window{rrep.grid.rows, 0, (columns + 63) / 64, 0};
-  for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) {
-    std::uint32_t row = 0;
-    std::uint32_t row_start = 0;
-    for (std::uint32_t i = rrep.first[k]; i < rrep.first[k + 1]; ++i) {
-      while (rrep.pixel[i] - row_start >= columns) {  // pixels ascend: no division
-        row_start += columns;
-        ++row;
-      }
-      const std::uint32_t word = (rrep.pixel[i] - row_start) / 64;
-      window.row = std::min(window.row, row);
-      window.row_end = std::max(window.row_end, row + 1);
-      window.word = std::min(window.word, word);
-      window.word_end = std::max(window.word_end, word + 1);
-    }
-  }
-  return window.row_end == 0 ? Window{} : window;
+  const MaskExtent extent = extent_of(rrep);
+  if (extent.empty()) return {};
+  return {extent.top, extent.bottom, extent.left / 64, (extent.right + 63) / 64};
 }
 
 }  // namespace plumbline

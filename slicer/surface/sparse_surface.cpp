@@ -12,11 +12,9 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kSheetPoints = 8;  ///< of a sparse sheet, the point itself included
-constexpr std::uint32_t kMayDiffer = 2;    ///< of these
-constexpr float kFarthest =
-    8;  ///< epsilons. A sheet has so many points within it up to some 400 times as sparse as most of the scan
-constexpr float kAgree = 0.5F;  ///< least inner product of the normals of points that agree
+constexpr std::uint32_t kMayDiffer = 2;  ///< of kSparsePoints
+/// Epsilons. Up to 400 times as sparse as most of the scan, a sheet has kSparsePoints points within it.
+constexpr float kFarthest = 8;
 /// Nearest points searched: more than are needed, since some are too far by the metric of the clustering.
 constexpr std::uint32_t kSearch = 24;
 constexpr std::uint32_t kAround = 8;  ///< nearest points whose supports are compared with a wide one
@@ -35,23 +33,19 @@ std::optional<float> sparse_share(const Cloud& cloud, const KdTree3& tree, std::
   std::uint32_t near = 0;
   std::uint32_t agreeing = 0;
   float farthest2 = 0;
-  float heights = 0;
-  float distances = 0;
-  for (std::uint32_t k = 0; k < count && near < kSheetPoints; ++k) {
-    const Vec3f other = cloud.normal[found[k].index].unpack();
-    const float cosine = normal.dot(other);
-    if (!Within{found[k].distance2, cosine}.near(square(kFarthest))) continue;
+  float height = 0;
+  float distance = 0;
+  for (std::uint32_t k = 0; k < count && near < kSparsePoints; ++k) {
+    const Neighbour& other = found[k];
+    if (!Within{other.distance2, normal.dot(cloud.normal[other.index].unpack())}.near(square(kFarthest))) continue;
     ++near;
-    farthest2 = found[k].distance2;
-    const float height = 0.5F * (normal + other).dot(cloud.position[i] - cloud.position[found[k].index]);
-    const float distance = std::sqrt(farthest2);
-    agreeing += cosine > kAgree && std::abs(height) <= kMostHeight * distance ? 1 : 0;
-    heights += height;
-    distances += distance;
+    farthest2 = other.distance2;
+    agreeing += agree(cloud, i, other) ? 1 : 0;
+    height += pair_height(cloud, i, other.index);
+    distance += std::sqrt(farthest2);
   }
-  const bool agrees = agreeing + kMayDiffer >= kSheetPoints;
-  if (near < kSheetPoints || std::abs(heights) > kMostHeight * distances) return std::nullopt;
-  if (farthest2 > square(kSparseRadius) && !agrees) return std::nullopt;
+  if (near < kSparsePoints || std::abs(height) > kMostHeight * distance) return std::nullopt;
+  if (farthest2 > square(kSparseRadius) && agreeing + kMayDiffer < kSparsePoints) return std::nullopt;
   return std::sqrt(farthest2 / static_cast<float>(near));
 }
 
