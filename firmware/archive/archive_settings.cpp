@@ -77,7 +77,7 @@ constexpr ArchiveKey kUvjKeys[] = {
 };
 
 constexpr ArchiveKey kGcodeKeys[] = {
-    // Chitubox, and UVtools for Klipper, which shares many of its names.
+    // Chitubox, and UVtools for Klipper, which shares many of its names. Klipper's others are kNoteKeys.
     {"layerHeight", PrintKey::kLayerHeight},
     {"normalExposureTime", PrintKey::kExposureTime},
     {"bottomLayerExposureTime", PrintKey::kInitialExposureTime},
@@ -97,16 +97,6 @@ constexpr ArchiveKey kGcodeKeys[] = {
     {"ExposureTime", PrintKey::kExposureTime},
     {"BottomExposureTime", PrintKey::kInitialExposureTime},
     {"TransitionLayerCount", PrintKey::kFadedLayers},
-    {"WaitTimeBeforeCure", PrintKey::kDelayBeforeExposure},
-    {"WaitTimeAfterCure", PrintKey::kDelayAfterExposure},
-    {"LiftHeight", PrintKey::kLiftHeight},
-    {"LiftSpeed", PrintKey::kLiftSpeed},
-    {"LiftHeight2", PrintKey::kLiftHeight2},
-    {"LiftSpeed2", PrintKey::kLiftSpeed2},
-    {"WaitTimeAfterLift", PrintKey::kWaitTimeAfterLift},
-    {"RetractSpeed", PrintKey::kRetractSpeed},
-    {"RetractHeight2", PrintKey::kRetractHeight2},
-    {"RetractSpeed2", PrintKey::kRetractSpeed2},
     {"LayerCount", ArchiveFact::kLayers},
     {"DisplayHeight", ArchiveFact::kDepthMm},
     {"LightPWM", ArchiveFact::kPower},
@@ -161,7 +151,7 @@ constexpr ArchiveKey kSlicingKeys[] = {
     {"DotsPermmY", ArchiveFact::kPixelsPerMmY},
 };
 
-/// Of profile.json and override.json, slicer.json and options.json, plate.json. Depths are micrometres.
+/// NanoDLP's five JSON files. They give depths in micrometres.
 constexpr ArchiveKey kNanoDlpKeys[] = {
     {"Depth", PrintKey::kLayerHeight, kMilli},
     {"Thickness", PrintKey::kLayerHeight, kMilli},
@@ -277,6 +267,12 @@ std::optional<double> parse_setting(std::string_view text, std::string_view unit
     if (same_word(known.word, rest) && (known.of == unit || unit.empty())) return number * known.factor;
   }
   return rest == "px" && unit.empty() ? std::optional(number) : std::nullopt;
+}
+
+const NoteKey* note_key(std::string_view name) {
+  const auto* const found =
+      std::ranges::find_if(kNoteKeys, [name](const NoteKey& k) { return same_word(k.name, name); });
+  return found == kNoteKeys.end() ? nullptr : found;
 }
 
 bool is_count(const PrintField& field) { return std::holds_alternative<std::uint32_t PrintProfile::*>(field.member); }
@@ -445,7 +441,9 @@ Status SettingsReader::take(std::string_view key, std::string_view text) {
   if (file.dialect == Dialect::kPrusaSlicer && key == "printer_notes") return take_notes(text);
   const auto row =
       std::find_if(file.keys.begin(), file.keys.end(), [key](const ArchiveKey& k) { return same_word(k.name, key); });
-  return row == file.keys.end() || text == "null" ? Status() : take(*row, key, text);
+  if (row != file.keys.end()) return text == "null" ? Status() : take(*row, key, text);
+  const NoteKey* const note = file.form == SettingsForm::kGcode ? note_key(key) : nullptr;
+  return note == nullptr ? Status() : take({note->name, note->key}, key, text);
 }
 
 /// A layer's own exposure: in .uvj, or in G-code the wait after the lamp was switched on.
@@ -482,9 +480,8 @@ Status SettingsReader::take_notes(std::string_view notes) {
     const auto note = notes.substr(0, notes.find("\\n"));  // a line break as the file has it
     notes.remove_prefix(std::min(note.size() + 2, notes.size()));
     const auto name = note.substr(0, note.find('_'));
-    const auto* const known =
-        std::find_if(kNoteKeys.begin(), kNoteKeys.end(), [name](const NoteKey& k) { return same_word(k.name, name); });
-    if (known == kNoteKeys.end() || name.size() == note.size()) continue;
+    const NoteKey* const known = note_key(name);
+    if (known == nullptr || name.size() == note.size()) continue;
     PLUMBLINE_TRY(take({known->name, known->key, 1, KeyNote::kAlways}, name, note.substr(name.size() + 1)));
   }
   return {};

@@ -1,6 +1,6 @@
 #pragma once
-/// What the settings of a sliced archive say of its print, whichever slicer wrote them: PrusaSlicer's .sl1, zips of Chitubox, Creation
-/// Workshop, NanoDLP and UVtools (Klipper), and .uvj.
+/// Reads the print settings of a sliced archive, whichever slicer wrote it: .sl1 (PrusaSlicer), .uvj, and zips of Chitubox, Creation Workshop,
+/// NanoDLP and UVtools (Klipper).
 
 #include <array>
 #include <cstddef>
@@ -82,7 +82,8 @@ struct ArchiveSettings {
 };
 
 /// Names of settings in the printer_notes of prusaslicer.ini, between START_CUSTOM_VALUES and END_CUSTOM_VALUES, each with "_" and its
-/// value: UVtools' way to write what .sl1 has no key for. BottomLayerCount is plumbline's own.
+/// value: UVtools' way to write what .sl1 has no key for. In G-code for Klipper it writes them by the same names. BottomLayerCount is
+/// plumbline's own.
 struct NoteKey {
   const char* name;
   PrintKey key;

@@ -22,7 +22,7 @@
 namespace plumbline {
 namespace {
 
-/// More than any slicer's settings have: G-code and .uvj have some lines for each layer.
+/// No slicer writes settings this large, even G-code and .uvj, which grow by a few lines with each layer.
 constexpr std::size_t kMostSettingsBytes = std::size_t{64} << 20U;
 
 Status decode(ZipReader& zip, const ArchiveLayer& layer, const MaskTurn& turn, BitImage out,

@@ -45,7 +45,7 @@ class LayerArchive {
   std::uint32_t rows() const { return rows_; }        ///< along y
   const ArchiveSettings& settings() const { return settings_; }
   const MaskTurn& turn() const { return turn_; }
-  /// Turns the masks by 90 degrees if a panel has as many rows as they have columns, and the other way round.
+  /// Turns the masks by 90 degrees if that makes them fit the panel: if they have its columns as rows and its rows as columns.
   void turn_for(std::uint32_t columns, std::uint32_t rows);
   bool is_turned() const { return turned_; }  ///< by turn_for()
 

@@ -47,7 +47,7 @@ std::string notes_of(const PrintProfile& profile) {
   return notes + "END_CUSTOM_VALUES";
 }
 
-/// A PrusaSlicer printer. Row 0 of a mask has the smallest y: that is display_mirror_y, since PrusaSlicer's first row has the largest.
+/// Adds the keys that describe the printer. PrusaSlicer's first row has the largest y and ours the smallest, hence display_mirror_y.
 void add_printer(const BoardFile& board, const PrintProfile& profile, Lines& lines) {
   const double width = board.columns * board.pixel_pitch_x_mm;
   const double depth = board.rows * board.pixel_pitch_y_mm;
