@@ -118,9 +118,6 @@ Status write_objections(OutputFile& out, std::span<const std::string> objections
   return {};
 }
 
-/// Reports give millilitres, milliseconds and mJ/cm2 to three decimals, which is more than they are known to.
-double thousandths(double value) { return std::round(value * 1e3) / 1e3; }
-
 void write_part(JsonWriter& json, const PartFigures& part) {
   json.begin_object();
   json.member("lost_ml", thousandths(part.lost_ml()));
@@ -190,26 +187,6 @@ void write_steps(JsonWriter& json, const std::optional<StepFigures>& steps) {
   json.member("standstills", steps->standstills);
   json.member("real_time_priority", steps->real_time);
   json.member("locked_memory", steps->memory_locked);
-  json.end_object();
-}
-
-void write_contract(JsonWriter& json, const Contract& contract) {
-  json.begin_object();
-  json.member("width_mm", thousandths(contract.width_mm));
-  json.member("depth_mm", thousandths(contract.depth_mm));
-  json.member("height_mm", thousandths(contract.height_mm));
-  json.key("rotation_deg");
-  json.begin_array(kOneLine);
-  for (const double degrees : contract.rotation_deg) json.value(degrees);
-  json.end_array();
-  json.member("best_way_up", contract.best_way_up);
-  json.member("points_off_percent", thousandths(100 * contract.proof.share_off()));
-  json.member("grey_percent", thousandths(100 * contract.grey));
-  json.member("grey_lost_percent", thousandths(100 * contract.grey_lost));
-  json.member("resin_ml", thousandths(contract.resin_ml));
-  json.member("time_s", static_cast<std::uint64_t>(contract.time.count()));
-  json.key("values");
-  write_contract_values(json, contract);
   json.end_object();
 }
 
@@ -288,7 +265,9 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("next_layer", report.next_layer);
   json.member("layer_height_mm", facts.contract.plan.layer_height.millimetres());
   json.key("contract");
+  json.begin_object();
   write_contract(json, facts.contract);
+  json.end_object();
   json.member("supports", std::uint64_t{outcome.session.supports().tips()});
   if (const auto& findings = outcome.session.findings()) {
     write_issues(json, *findings, outcome.session.grid(), outcome.profile.checks);

@@ -1,6 +1,5 @@
 #include "firmware/state/state_line.hpp"
 
-#include <cmath>
 #include <ctime>
 
 #include "firmware/io/random_id.hpp"
@@ -11,9 +10,6 @@
 
 namespace plumbline {
 namespace {
-
-/// To a thousandth: more digits would only be noise.
-double thousandths(double value) { return std::round(value * 1000) / 1000; }
 
 double seconds_of(nanoseconds time) { return thousandths(std::chrono::duration<double>(time).count()); }
 
@@ -207,23 +203,9 @@ void write_sliced(JsonWriter& json, const PrinterRecord& record) {
   if (!record.sliced) return json.null();
   const Contract& sliced = *record.sliced;
   json.begin_object(kOneLine);
-  json.member("width_mm", thousandths(sliced.width_mm));
-  json.member("depth_mm", thousandths(sliced.depth_mm));
-  json.member("height_mm", thousandths(sliced.height_mm));
   json.member("layer_height_mm", thousandths(sliced.plan.layer_height.millimetres()));
   json.member("layers", sliced.plan.layers);
-  json.member("resin_ml", thousandths(sliced.resin_ml));
-  json.member("time_s", static_cast<std::uint64_t>(sliced.time.count()));
-  json.key("rotation_deg");
-  json.begin_array(kOneLine);
-  for (const double degrees : sliced.rotation_deg) json.value(degrees);
-  json.end_array();
-  json.member("best_way_up", sliced.best_way_up);
-  json.member("points_off_percent", thousandths(100 * sliced.proof.share_off()));
-  json.member("grey_percent", thousandths(100 * sliced.grey));
-  json.member("grey_lost_percent", thousandths(100 * sliced.grey_lost));
-  json.key("values");
-  write_contract_values(json, sliced);
+  write_contract(json, sliced);
   json.end_object();
 }
 

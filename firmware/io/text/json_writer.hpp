@@ -2,6 +2,7 @@
 /// Writes JSON as a stream.
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,6 +13,9 @@
 #include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
+
+/// Rounds a figure to the three decimals that state and reports show.
+inline double thousandths(double value) { return std::round(value * 1000) / 1000; }
 
 /// Writes one JSON value through a fixed buffer. Libraries build the document on the heap, which a job must not use.
 ///

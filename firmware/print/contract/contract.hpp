@@ -72,8 +72,9 @@ struct ContractSubject {
 /// A value of the plan, in its field's unit: what is shown is read from what is carried out.
 double value_of(const PrintPlan& plan, PrintKey key);
 
-/// Writes all values as an array of objects: key, value, unit, source, and whether a person may change it when the masks are made.
-void write_contract_values(JsonWriter& json, const Contract& contract);
+/// Writes the contract as members of the object that is open, for state and report alike. Its `values` are an array of objects: key, value,
+/// unit, source, and whether a person may change it when the masks are made.
+void write_contract(JsonWriter& json, const Contract& contract);
 
 /// Says each doubt as a sentence and as a code.
 /// @param name  of the archive or scan
