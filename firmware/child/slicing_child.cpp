@@ -21,9 +21,9 @@ namespace {
 using namespace std::chrono_literals;
 using ChildClock = std::chrono::steady_clock;
 
-/// For the template to start its threads once and to give up its rights, on a busy machine.
+/// How long the template may take to start its threads and drop its rights, on a busy machine.
 constexpr auto kStartPatience = 30s;
-/// For a template to end: when its socket closes, and when it is killed.
+/// How long a template may take to end, once its socket has closed and again once it has been killed.
 constexpr auto kTemplatePatience = 2s;
 
 bool send(const Descriptor& socket, ChildWord word, std::span<const int> descriptors = {}) {
