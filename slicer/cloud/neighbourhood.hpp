@@ -1,7 +1,6 @@
 #pragma once
 /// The points near a block of consecutive points in the order of the tree: one search serves the whole block.
 
-#include <cmath>
 #include <cstdint>
 
 #include "slicer/cloud/cloud.hpp"
@@ -20,20 +19,6 @@ struct Within {
   float cosine;
   bool near(float epsilon2) const { return cosine > 0 && distance2 <= epsilon2 * cosine * cosine; }
 };
-
-/// Height of point i over another, the mean of that over the other's tangent plane and of the other's depth below its own, in the unit of
-/// the cloud. On a curved surface the two halves cancel; for a point off the surface they add up.
-///
-///   height = 1/2 <n_i + n_j, p_i - p_j>
-inline float pair_height(const Cloud& cloud, std::uint32_t i, std::uint32_t j) {
-  return 0.5F * (cloud.normal[i].unpack() + cloud.normal[j].unpack()).dot(cloud.position[i] - cloud.position[j]);
-}
-
-/// Whether point i and a neighbour lie on one sheet, as far as these two tell.
-inline bool agree(const Cloud& cloud, std::uint32_t i, const Neighbour& other) {
-  return cloud.normal[i].unpack().dot(cloud.normal[other.index].unpack()) > kOneWay &&
-         std::abs(pair_height(cloud, i, other.index)) <= kMostHeight * std::sqrt(other.distance2);
-}
 
 /// Candidates of one block, with one array for each coordinate. The arrays are padded to a multiple of kLanes.
 struct Neighbourhood {

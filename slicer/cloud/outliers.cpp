@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "slicer/cloud/neighbourhood.hpp"
+#include "slicer/cloud/agreement.hpp"
 #include "slicer/cloud/tangent_plane.hpp"
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/numbers/median.hpp"
@@ -20,8 +20,6 @@ constexpr std::uint32_t kOfSheet = 16;  ///< nearest points that may be a sheet
 constexpr double kFlat = 0.1;      ///< of all points
 constexpr double kFlatter = 0.03;  ///< of those nearest to their plane
 constexpr double kWide = 0.05;  ///< least of the first variance that the second may be: a string of points is no sheet
-constexpr std::uint32_t kFacing = 5;       ///< nearest points that face the way of a sparse point
-constexpr std::ptrdiff_t kMostFacing = 4;  ///< of these, that must agree with it
 /// One outlier in so many points, and fewer, are left to the clustering: a few points at open rims and in deep bores look like outliers.
 constexpr std::uint32_t kFew = 100;
 constexpr std::uint32_t kBlock = 64;  ///< consecutive points, most of whose neighbours are in their block
@@ -47,7 +45,7 @@ class Outliers {
   /// Marks the outliers among points [first, last) with a negative radius.
   void mark(std::uint32_t first, std::uint32_t last) const {
     for (std::uint32_t i = first; i < last; ++i) {
-      const bool stays = !is_sparse(i, first, last) || is_on_sheet(i) || agrees_with_neighbours(i);
+      const bool stays = !is_sparse(i, first, last) || is_on_sheet(i) || agrees_with_neighbours(cloud_, tree_, i);
       cloud_.radius[i] = stays ? 0.0F : -1.0F;
     }
   }
@@ -112,18 +110,6 @@ class Outliers {
       tree_.nearest(other, of_other);
       return lies_on(sheet(of_other, other), p, static_cast<double>(n.distance2));
     });
-  }
-
-  /// Whether a point with a normal agrees with others that face its way. Of outliers with normals at random 1 in 100 does.
-  bool agrees_with_neighbours(std::uint32_t i) const {
-    if (!cloud_.normal[i].known()) return false;
-    const Vec3f n = cloud_.normal[i].unpack();
-    const Vec3f& p = cloud_.position[i];
-    std::array<Neighbour, kFacing> around;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    const std::uint32_t count =
-        tree_.nearest(p, around, [&](std::uint32_t j) { return j != i && cloud_.normal[j].unpack().dot(n) > kOneWay; });
-    return kMostFacing <= std::count_if(around.begin(), around.begin() + count,
-                                        [&](const Neighbour& other) { return agree(cloud_, i, other); });
   }
 
   Cloud& cloud_;

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "slicer/cloud/agreement.hpp"
 #include "slicer/normals/normal_orientation.hpp"
 #include "slicer/normals/sheets.hpp"
 #include "slicer/normals/sided_sets.hpp"
@@ -25,9 +26,8 @@ constexpr std::uint32_t kBatch = 1024;  ///< groups that are searched at once, i
 constexpr std::int64_t kContradictory = 5;  ///< one in this many pairs of neighbours, see turn_flipped_normals()
 constexpr double kJoinShare = 0.6;          ///< of the time, for progress only; the field takes the rest
 
-// A point lies on the side of a thin wall that fewer views saw if most of its nearest points are those of the other side, and the nearest of
-// those that face its way lie on its plane. Flying points have none of these, and a turned point lies in the sheet that it contradicts.
-constexpr float kReach = 24;  ///< median radii of a point's share within which these must lie: 3 epsilon
+/// Median radii of a point's share within which others must agree with one on a thin wall: 3 epsilon.
+constexpr float kReach = 24;
 
 class FlippedNormals {
  public:
@@ -53,48 +53,14 @@ class FlippedNormals {
     const auto radius = Sheets::limit_areas(cloud_, arena_);
     PLUMBLINE_TRY(radius);
     if (!progress_.advance(kJoinShare)) return fail(ErrorCode::kCancelled, "cancelled while orienting normals");
-    const auto stays = [&](std::uint32_t i) { return is_behind_wall(i, kReach * *radius); };
+    const auto stays = [&](std::uint32_t i) {
+      return opposed(cloud_, tree_, i) == Opposed::kBehind &&
+             agrees_with_neighbours(cloud_, tree_, i, kReach * *radius);
+    };
     return Sheets(cloud_, sets_, arena_).turn(FirstSide::kLargest, stays);
   }
 
  private:
-  /// Sums of some points' distances and heights from a point, mm.
-  struct Around {
-    std::uint32_t points = 0;
-    float distance = 0;
-    float height = 0;
-    bool is_sheet() const { return height <= kMostHeight * distance; }
-  };
-
-  /// Sums up those of the points that face the same way as point i (side 1) or the opposite (-1).
-  Around around(std::uint32_t i, std::span<const Neighbour> points, float side) const {
-    Around sums;
-    const Vec3f normal = cloud_.normal[i].unpack();
-    for (const Neighbour& n : points) {
-      const Vec3f other = cloud_.normal[n.index].unpack() * side;
-      if (n.index == i || !(other.dot(normal) > kOneWay)) continue;
-      ++sums.points;
-      sums.distance += std::sqrt(n.distance2);
-      sums.height += 0.5F * std::abs((normal + other).dot(cloud_.position[n.index] - cloud_.position[i]));
-    }
-    return sums;
-  }
-
-  /// Whether point i lies on the side of a thin wall that fewer views saw.
-  bool is_behind_wall(std::uint32_t i, float reach) const {
-    std::array<Neighbour, kNearest> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    const std::uint32_t count = tree_.nearest(cloud_.position[i], found);
-    const Around others = around(i, std::span(found).first(count), -1);
-    if (2 * others.points < count || others.is_sheet()) return false;
-    const Vec3f normal = cloud_.normal[i].unpack();
-    const auto faces_its_way = [&](std::uint32_t j) {
-      return j != i && cloud_.normal[j].unpack().dot(normal) > kOneWay;
-    };
-    const auto own = std::span(found).first(kSparsePoints);
-    return tree_.nearest(cloud_.position[i], own, faces_its_way, reach * reach) == kSparsePoints &&
-           around(i, own, 1).is_sheet();
-  }
-
   Status join() {
     const ArenaScope scope(arena_);
     const std::uint32_t groups = (cloud_.size + kGroup - 1) / kGroup;

@@ -123,15 +123,19 @@ bool RayClassifier::level_inside(std::uint32_t level, float x, float y) {
   return block.is_inside(level);
 }
 
-/// Whether every kStride-th level of a gap is on the same side as both of its ends.
+/// Whether every kStride-th level of a gap is on the same side as both of its ends. If none lies in it and the ends are inside, its middle
+/// must not be surely outside: the supports of a sparse sheet reach through a thin wall, and beyond it they all say inside.
 bool RayClassifier::gap_agrees(float x, float y, float low, float high, bool inside) {
   const auto first = static_cast<std::uint32_t>(std::max(low, 0.0F) / (top_ / kLevels));
+  bool asked = false;
   for (std::uint32_t level = (first + kStride - 1) / kStride * kStride; level < kLevels; level += kStride) {
     const float z = level_height(level);
     if (z >= high) break;
-    if (z > low && level_inside(level, x, y) != inside) return false;
+    if (!(z > low)) continue;
+    if (level_inside(level, x, y) != inside) return false;
+    asked = true;
   }
-  return true;
+  return asked || !inside || winding_.beyond({x, y, 0.5F * (low + high)}, kSure) >= WindingTree::kSurface - kSure;
 }
 
 RayClassifier::Gap RayClassifier::decide_gap(float x, float y, float low, float high, bool below, bool above) {
@@ -158,9 +162,9 @@ RayClassifier::Gap RayClassifier::decide_gap(float x, float y, float low, float 
     at = z;
   }
   if (!gap) {
-    // No level lies in the gap. In so short a gap the bands on both sides are better evidence than the whole cloud.
+    // No level lies in the gap. In so short a gap the bands on both sides are better evidence than the whole cloud, unless that is sure.
     if (below != above) bisect(x, y, low, high, below);
-    gap = {below, above};
+    gap = below != above ? Gap{below, above} : Gap{!below, !above};
   } else if (gap->inside_at_high != above && winding_.inside({x, y, high}) == above) {
     bisect(x, y, at, high, !above);
     gap->inside_at_high = above;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "slicer/cloud/agreement.hpp"
 #include "slicer/cloud/neighbourhood.hpp"
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/numbers/median.hpp"
@@ -24,6 +25,7 @@ constexpr float kRounded = 1.001F;    ///< of normals: the square of their lengt
 }  // namespace
 
 std::optional<float> sparse_share(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon) {
+  if (opposed(cloud, tree, i) == Opposed::kBeside) return std::nullopt;
   std::array<Neighbour, kSearch> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   const auto square = [&](float epsilons) { return epsilons * epsilon * epsilons * epsilon; };
   const Vec3f normal = cloud.normal[i].unpack();

@@ -277,6 +277,36 @@ TEST(SliceShapes, NoiseAndOutliersLeaveOneSolidWithoutCavities) {
   EXPECT_EQ(sliced.wrong_voxels([](const Vec3d& p) { return p.norm() - 10; }, 0.4), 0U);
 }
 
+// The supports of the few points inside reach through the wall, and beyond it each of them says solid: curtains hung below the rim, outside.
+TEST(SliceShapes, ACupWhoseInsideFewViewsSawIsEmptyOutside) {
+  constexpr double kWall = 0.8;    // mm
+  constexpr double kHeight = 30;   // mm
+  constexpr double kSlope = 0.07;  // of the wall, outwards
+  Random random(21);
+  Surface cup;
+  const auto add_wall = [&](double radius, double side, double low, double high, double spacing) {
+    for (double z = low; z < high; z += spacing) {
+      const double around = std::floor(2 * kPi * (radius + kSlope * z) / spacing);
+      for (double k = 0; k < around; ++k) {
+        const double angle = 2 * kPi * (k + random.uniform(0, 1)) / around;
+        const double height = z + spacing * random.uniform(0, 1);
+        const double r = radius + kSlope * height;
+        const Vec3d out = Vec3d(std::cos(angle), std::sin(angle), -kSlope).normalized();
+        cup.push_back({Vec3d(r * std::cos(angle), r * std::sin(angle), height), side * out});
+      }
+    }
+  };
+  add_wall(10, 1, 0, kHeight, 0.15);
+  add_wall(10 - kWall, -1, 20, kHeight, 0.3);
+  add_wall(10 - kWall, -1, 6, 20, 1.2);
+  for (const SurfacePoint& p : sheet({-10, -10, 0}, {0, 20, 0}, {20, 0, 0}, 0.15, 0.3, random)) {
+    if (p.position.head<2>().norm() < 10) cup.push_back(p);
+  }
+  const Slicing sliced(binary_ply(cup), settings_with_pitch(0.2F), 64 * kMiB);
+  const auto distance = [](const Vec3d& p) { return std::max(p.head<2>().norm() - 10 - kSlope * p[2], -0.3); };
+  EXPECT_EQ(sliced.wrong_voxels(distance, 0.6), 0U);
+}
+
 TEST(SliceShapes, AnEnclosedSphereIsACavity) {
   Surface surface = sphere(30000, 10, {0, 0, 0});
   for (SurfacePoint p : sphere(8000, 5, {0, 0, 0})) {

@@ -87,6 +87,22 @@ TEST(SparseSurface, IncludesTheSparseSideOfAThinWall) {
   }
 }
 
+// Points that face against a dense sheet are far apart, and agree with each other. Their supports were as wide as they are apart.
+TEST(SparseSurface, DoesNotIncludePointsThatAreTurnedOver) {
+  Random random(5);
+  Surface surface = sheet({-8, -8, 0}, {0, 16, 0}, {16, 0, 0}, 0.14, 0.3, random);
+  add_noise(surface, 0.03, 0, random);
+  std::vector<std::uint32_t> turned;
+  for (std::uint32_t i = 0; i < surface.size(); ++i) {
+    if (random.uniform() < 0.02) turned.push_back(i);
+  }
+  for (const std::uint32_t i : turned) surface[i].normal = -surface[i].normal;
+  ArenaBlock block(32 * kMiB);
+  const Cloud cloud = cloud_of(surface, *block);
+  const KdTree3 tree = value_of(KdTree3::build(cloud.positions(), *block, "test"));
+  for (const std::uint32_t i : turned) EXPECT_FALSE(sparse_share(cloud, tree, i, 0.6F).has_value());
+}
+
 TEST(SparseSurface, LeavesOutPointsBesideIt) {
   Random random(2);
   Surface surface = bored_plate(random);
