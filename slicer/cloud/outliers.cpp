@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "slicer/cloud/agreement.hpp"
@@ -22,6 +23,9 @@ constexpr double kFlatter = 0.03;  ///< of those nearest to their plane
 constexpr double kWide = 0.05;  ///< least of the first variance that the second may be: a string of points is no sheet
 /// One outlier in so many points, and fewer, are left to the clustering: a few points at open rims and in deep bores look like outliers.
 constexpr std::uint32_t kFew = 100;
+// Marks, in place of a radius.
+constexpr float kSparsePoint = -1;
+constexpr float kOutlier = -2;
 constexpr std::uint32_t kBlock = 64;  ///< consecutive points, most of whose neighbours are in their block
 
 class Outliers {
@@ -42,12 +46,25 @@ class Outliers {
     return {};
   }
 
-  /// Marks the outliers among points [first, last) with a negative radius.
+  /// Marks the sparse ones among points [first, last), by their radius.
+  void mark_sparse(std::uint32_t first, std::uint32_t last) const {
+    for (std::uint32_t i = first; i < last; ++i) cloud_.radius[i] = is_sparse(i, first, last) ? kSparsePoint : 0.0F;
+  }
+
+  /// Marks the outliers among sparse points [first, last).
   void mark(std::uint32_t first, std::uint32_t last) const {
+    const auto any = [](std::uint32_t) { return true; };
+    const auto sparse = [&](std::uint32_t j) { return mark_of(j).load(std::memory_order_relaxed) != 0; };
     for (std::uint32_t i = first; i < last; ++i) {
-      const bool stays = !is_sparse(i, first, last) || is_on_sheet(i) || agrees_with_neighbours(cloud_, tree_, i);
-      cloud_.radius[i] = stays ? 0.0F : -1.0F;
+      if (!sparse(i) || is_on_sheet(i, any) || agrees_with_neighbours(cloud_, tree_, i) || is_on_sheet(i, sparse))
+        continue;
+      mark_of(i).store(kOutlier, std::memory_order_relaxed);
     }
+  }
+
+  std::uint32_t count(float least) const {
+    return static_cast<std::uint32_t>(
+        std::ranges::count_if(cloud_.radius.first(cloud_.size), [=](float mark) { return mark <= least; }));
   }
 
  private:
@@ -96,10 +113,13 @@ class Outliers {
     return distance2 <= sheet.reach2 && height * height <= static_cast<double>(kMostHeight * kMostHeight) * distance2;
   }
 
-  bool is_on_sheet(std::uint32_t i) const {
+  std::atomic_ref<float> mark_of(std::uint32_t i) const { return std::atomic_ref(cloud_.radius[i]); }
+
+  /// Whether a point lies on a sheet of those around it that count.
+  bool is_on_sheet(std::uint32_t i, FunctionRef<bool(std::uint32_t)> counts) const {
     const Vec3f& p = cloud_.position[i];
     std::array<Neighbour, kOfSheet + 1> around;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    const std::uint32_t count = tree_.nearest(p, around);
+    const std::uint32_t count = tree_.nearest(p, around, counts);
     if (count <= kOfSheet) return true;
     std::array<Neighbour, kNear> nearest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::copy_n(around.begin() + 1, kNear, nearest.begin());
@@ -107,7 +127,7 @@ class Outliers {
     return std::any_of(nearest.begin(), nearest.end(), [&](const Neighbour& n) {
       std::array<Neighbour, kOfSheet + 1> of_other;  // NOLINT(cppcoreguidelines-pro-type-member-init)
       const Vec3f& other = cloud_.position[n.index];
-      tree_.nearest(other, of_other);
+      tree_.nearest(other, of_other, counts);
       return lies_on(sheet(of_other, other), p, static_cast<double>(n.distance2));
     });
   }
@@ -124,15 +144,16 @@ std::size_t outliers_bytes(std::uint32_t points) { return Arena::rounded(sizeof(
 Expected<std::uint32_t> drop_outliers(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress) {
   Outliers outliers(cloud, tree);
   PLUMBLINE_TRY(outliers.measure(arena));
+  const auto are_few = [&](float mark) { return std::uint64_t{kFew} * outliers.count(mark) < cloud.size; };
+  const auto sparse = [&](std::uint32_t first, std::uint32_t last) { outliers.mark_sparse(first, last); };
   const auto mark = [&](std::uint32_t first, std::uint32_t last) { outliers.mark(first, last); };
-  if (!for_blocks(cloud.size, kBlock, progress, mark)) {
+  if (!for_blocks(cloud.size, kBlock, progress.part(0, 0.5), sparse) ||
+      (!are_few(kSparsePoint) && !for_blocks(cloud.size, kBlock, progress.part(0.5, 1), mark))) {
     return fail(ErrorCode::kCancelled, "cancelled while outliers were looked for");
   }
-  const auto radii = cloud.radius.first(cloud.size);
-  const auto count =
-      static_cast<std::uint32_t>(std::count_if(radii.begin(), radii.end(), [](float r) { return r < 0; }));
-  if (std::uint64_t{kFew} * count < cloud.size) return 0U;
-  cloud.keep([&](std::uint32_t i) { return cloud.radius[i] >= 0; });
+  if (are_few(kOutlier)) return 0U;
+  const std::uint32_t count = outliers.count(kOutlier);
+  cloud.keep([&](std::uint32_t i) { return cloud.radius[i] > kOutlier; });
   return count;
 }
 

@@ -70,6 +70,18 @@ TEST(ScatteredPoints, AreNotTheSparseHalfOfASphere) {
   }
 }
 
+// The nearest points of a sparse one inside a tube are those of its outside, on whose plane it does not lie.
+TEST(ScatteredPoints, AreNotTheSparseSideOfAThinWall) {
+  Random random(6);
+  Surface surface = sheet({-8, -8, 0}, {0, 16, 0}, {16, 0, 0}, 0.14, 0.3, random);
+  append(surface, sheet({-8, -8, 0.8}, {16, 0, 0}, {0, 16, 0}, 0.7, 0.3, random));
+  for (SurfacePoint& p : surface) p.normal.setZero();
+  ArenaBlock arena(16 * kMiB);
+  Cloud cloud = cloud_of(surface, *arena);
+  const KdTree3 tree = sort_by_tree(cloud, *arena);
+  EXPECT_EQ(value_of(drop_outliers(cloud, tree, *arena)), 0U);
+}
+
 TEST(ScatteredPoints, LeaveTheSparseHalfOfASphere) {
   Random random(5);
   Surface surface = half_sparse(5);
