@@ -23,6 +23,8 @@ constexpr double kFlatter = 0.03;  ///< of those nearest to their plane
 constexpr double kWide = 0.05;  ///< least of the first variance that the second may be: a string of points is no sheet
 /// One outlier in so many points, and fewer, are left to the clustering: a few points at open rims and in deep bores look like outliers.
 constexpr std::uint32_t kFew = 100;
+/// Reaches of the median point within which sparse points are asked among each other: up to 50 times as sparse as the rest 16 are that near.
+constexpr float kFar = 5;
 // Marks, in place of a radius.
 constexpr float kSparsePoint = -1;
 constexpr float kOutlier = -2;
@@ -53,10 +55,8 @@ class Outliers {
 
   /// Marks the outliers among sparse points [first, last).
   void mark(std::uint32_t first, std::uint32_t last) const {
-    const auto any = [](std::uint32_t) { return true; };
-    const auto sparse = [&](std::uint32_t j) { return mark_of(j).load(std::memory_order_relaxed) != 0; };
     for (std::uint32_t i = first; i < last; ++i) {
-      if (!sparse(i) || is_on_sheet(i, any) || agrees_with_neighbours(cloud_, tree_, i) || is_on_sheet(i, sparse))
+      if (!is_marked(i) || is_on_sheet(i) || agrees_with_neighbours(cloud_, tree_, i) || is_on_sparse_sheet(i))
         continue;
       mark_of(i).store(kOutlier, std::memory_order_relaxed);
     }
@@ -114,12 +114,12 @@ class Outliers {
   }
 
   std::atomic_ref<float> mark_of(std::uint32_t i) const { return std::atomic_ref(cloud_.radius[i]); }
+  bool is_marked(std::uint32_t i) const { return mark_of(i).load(std::memory_order_relaxed) != 0; }
 
-  /// Whether a point lies on a sheet of those around it that count.
-  bool is_on_sheet(std::uint32_t i, FunctionRef<bool(std::uint32_t)> counts) const {
+  bool is_on_sheet(std::uint32_t i) const {
     const Vec3f& p = cloud_.position[i];
     std::array<Neighbour, kOfSheet + 1> around;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    const std::uint32_t count = tree_.nearest(p, around, counts);
+    const std::uint32_t count = tree_.nearest(p, around);
     if (count <= kOfSheet) return true;
     std::array<Neighbour, kNear> nearest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::copy_n(around.begin() + 1, kNear, nearest.begin());
@@ -127,9 +127,19 @@ class Outliers {
     return std::any_of(nearest.begin(), nearest.end(), [&](const Neighbour& n) {
       std::array<Neighbour, kOfSheet + 1> of_other;  // NOLINT(cppcoreguidelines-pro-type-member-init)
       const Vec3f& other = cloud_.position[n.index];
-      tree_.nearest(other, of_other, counts);
+      tree_.nearest(other, of_other);
       return lies_on(sheet(of_other, other), p, static_cast<double>(n.distance2));
     });
+  }
+
+  /// Whether a sparse point lies on a sheet of others that are sparse.
+  bool is_on_sparse_sheet(std::uint32_t i) const {
+    const Vec3f& p = cloud_.position[i];
+    std::array<Neighbour, kOfSheet + 1> around;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    const auto sparse = [&](std::uint32_t j) { return is_marked(j); };
+    if (tree_.nearest(p, around, sparse, kFar * kFar * reach2_) <= kOfSheet) return false;
+    const auto distance2 = static_cast<double>(around[kNear].distance2);  // before sheet() sorts them anew
+    return lies_on(sheet(around, p), p, distance2);
   }
 
   Cloud& cloud_;

@@ -82,6 +82,18 @@ TEST(ScatteredPoints, AreNotTheSparseSideOfAThinWall) {
   EXPECT_EQ(value_of(drop_outliers(cloud, tree, *arena)), 0U);
 }
 
+// Sparse points are asked among each other. So few make no sheet.
+TEST(ScatteredPoints, AreFoundIfTheyAreFew) {
+  Random random(8);
+  Surface surface = sphere(800, kRadius, {0, 0, 0});
+  scatter(surface, 12, 3 * kRadius, 100, random);
+  for (SurfacePoint& p : surface) p.normal.setZero();
+  ArenaBlock arena(16 * kMiB);
+  Cloud cloud = cloud_of(surface, *arena);
+  const KdTree3 tree = sort_by_tree(cloud, *arena);
+  EXPECT_GT(value_of(drop_outliers(cloud, tree, *arena)), 8U);
+}
+
 TEST(ScatteredPoints, LeaveTheSparseHalfOfASphere) {
   Random random(5);
   Surface surface = half_sparse(5);
