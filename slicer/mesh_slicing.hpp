@@ -7,6 +7,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/mesh/mesh_files.hpp"
 #include "slicer/mesh/mesh_survey.hpp"
+#include "slicer/reader/view_poses.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 #include "slicer/slice_report.hpp"
 #include "slicer/slice_settings.hpp"
@@ -21,12 +22,14 @@ namespace plumbline {
                                                               Arena& arena, ProgressSink* progress,
                                                               PreparationCounts& report);
 
-/// Opens sources and calls on_mesh(files, survey, sources) if they are a mesh, else on_scan(sources). The sources that it hands on are at
+/// Opens sources and calls on_mesh(files, survey, sources) if they are a mesh, else on_scan(sources). Files with a .conf are views of a scanner, and are read
+/// as scans. The sources that it hands on are at
 /// their beginning again. What was taken from the top of the arena is released.
 /// @returns what was called returns, or an error of the type that on_scan returns
 template <class OnMesh, class OnScan>
 auto read_mesh_or_scan(ScanSources given, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                        PreparationCounts& report, OnMesh on_mesh, OnScan on_scan) -> decltype(on_scan(given)) {
+  if (has_pose_file(given)) return on_scan(given);
   const ArenaScope all(arena);
   auto files = MeshFiles::open(given, arena);
   PLUMBLINE_TRY(files);

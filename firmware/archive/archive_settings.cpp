@@ -77,7 +77,7 @@ constexpr ArchiveKey kUvjKeys[] = {
 };
 
 constexpr ArchiveKey kGcodeKeys[] = {
-    // Chitubox, and UVtools for Klipper, which shares many of its names. Klipper's others are kNoteKeys.
+    // Chitubox, and UVtools for Klipper, which uses many of Chitubox's names. kNoteKeys has those that only Klipper uses.
     {"layerHeight", PrintKey::kLayerHeight},
     {"normalExposureTime", PrintKey::kExposureTime},
     {"bottomLayerExposureTime", PrintKey::kInitialExposureTime},

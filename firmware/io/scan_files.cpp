@@ -1,6 +1,8 @@
 #include "firmware/io/scan_files.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <set>
 #include <system_error>
@@ -8,6 +10,7 @@
 
 #include "firmware/io/scan_names.hpp"
 #include "slicer/core/words/printable_text.hpp"
+#include "slicer/reader/view_poses.hpp"
 
 namespace plumbline {
 namespace {
@@ -54,11 +57,33 @@ Status check_each_once(const std::vector<std::string>& paths) {
   return {};
 }
 
+/// Adds each .conf beside the first file that says where any of the files lies.
+void add_poses_beside(std::vector<std::string>& paths) {
+  const fs::path folder = fs::path(paths.front()).parent_path();
+  std::vector<std::string> found;
+  std::error_code problem;
+  for (fs::directory_iterator entry(folder.empty() ? "." : folder, problem), end; !problem && entry != end;
+       entry.increment(problem)) {
+    std::error_code unknown;
+    if (!is_pose_file(entry->path().native()) || !entry->is_regular_file(unknown)) continue;
+    std::string text(kMostPoseBytes, ' ');
+    std::ifstream(entry->path()).read(text.data(), static_cast<std::streamsize>(text.size()));
+    const auto is_named = [&](const std::string& path) {
+      return text.find("mesh " + fs::path(path).filename().string() + " ") != std::string::npos;
+    };
+    if (std::any_of(paths.begin(), paths.end(), is_named)) found.push_back(folder / entry->path().filename());
+  }
+  std::sort(found.begin(), found.end());
+  paths.insert(paths.end(), found.begin(), found.end());
+}
+
 }  // namespace
 
 Expected<ScanFiles> ScanFiles::open(std::span<const std::string> paths) {
   auto listed = with_folders_listed(paths);
   PLUMBLINE_TRY(listed);
+  put_poses_last(*listed);
+  if (listed->size() > 1 && !is_pose_file(listed->back())) add_poses_beside(*listed);
   if (listed->empty() || listed->size() > kMostScans) {
     return fail(
         ErrorCode::kBadSetting,

@@ -12,7 +12,8 @@ namespace plumbline {
 
 class ScanFiles {
  public:
-  /// @param paths  files in the order to read them, and folders, whose scans are read in the order of their names: 1 to kMostScans files
+  /// @param paths  files in the order to read them, and folders, whose scans are read in the order of their names: 1 to kMostScans files.
+  ///               A .conf beside the first file that names any of them is read, too
   /// @retval the errors of FolderScans::paths()
   /// @retval ErrorCode::kCannotOpen   any of them: FileSource::open()
   /// @retval ErrorCode::kBadSetting   too many, or none, or one of them twice

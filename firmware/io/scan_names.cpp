@@ -8,6 +8,7 @@
 #include "slicer/reader/formats/foreign_formats.hpp"
 #include "slicer/reader/formats/scan_endings.hpp"
 #include "slicer/reader/scan_sources.hpp"
+#include "slicer/reader/view_poses.hpp"
 
 namespace plumbline {
 
@@ -32,6 +33,10 @@ bool is_scan_file_name(std::string_view name) {
 }
 
 void FolderScans::add(std::string_view name) {
+  if (is_pose_file(name) && names_.size() < kMostScans) {
+    names_.emplace_back(name);
+    return;
+  }
   if (!is_scan_file_name(name)) {
     if (foreign_format(name) != nullptr && (foreign_.empty() || name < foreign_)) foreign_ = name;
     return;
@@ -59,7 +64,12 @@ Expected<std::vector<std::string>> FolderScans::paths(std::string_view folder) c
   std::vector<std::string> paths;
   for (const std::string& name : names_) paths.push_back(std::string(folder) + "/" + name);
   std::sort(paths.begin(), paths.end());
+  put_poses_last(paths);
   return paths;
+}
+
+void put_poses_last(std::vector<std::string>& paths) {
+  std::stable_partition(paths.begin(), paths.end(), [](const std::string& path) { return !is_pose_file(path); });
 }
 
 std::string_view without_slash(std::string_view path) {

@@ -25,7 +25,7 @@ class FolderScans {
   void add(std::string_view name);
 
   /// @param folder  its path, without a slash at the end
-  /// @returns the paths of its scans, 1 to kMostScans, sorted by name
+  /// @returns the paths of its scans, 1 to kMostScans, sorted by name, and then of any .conf that may say where they lie
   /// @retval ErrorCode::kNoPoints    it has no scans; what another file is and how to export it, if that is known
   /// @retval ErrorCode::kBadSetting  it has more than kMostScans: how many
   [[nodiscard]] Expected<std::vector<std::string>> paths(std::string_view folder) const;
@@ -35,6 +35,9 @@ class FolderScans {
   std::size_t count_ = 0;
   std::string foreign_;  ///< the first by name that foreign_format() knows; empty: there is none
 };
+
+/// Puts any .conf after the scans, as read_cloud() wants them.
+void put_poses_last(std::vector<std::string>& paths);
 
 /// A path without the slashes at its end.
 std::string_view without_slash(std::string_view path);

@@ -23,6 +23,8 @@ void add_files(Text& text, std::span<const std::string> names, const ScanSummari
     text.add("           %.60s: %llu point%s\n", names[i].c_str(), big(scans.each[i].points),
              plural_s(scans.each[i].points));
   }
+  for (std::size_t i = scans.count; i < names.size(); ++i)
+    text.add("           %.60s: their poses\n", names[i].c_str());
 }
 
 void add_scan(Text& text, const JobReport& report) {

@@ -15,7 +15,7 @@ namespace plumbline {
 ///   height = 1/2 <n_i + n_j, p_i - p_j>
 float pair_height(const Cloud& cloud, std::uint32_t i, std::uint32_t j);
 
-/// Whether point i and a neighbour lie on one sheet, as far as these two tell.
+/// Whether point i and a neighbour could lie on one sheet, by their positions and normals alone.
 bool agree(const Cloud& cloud, std::uint32_t i, const Neighbour& other);
 
 /// Whether a point with a normal agrees with others that face its way. Of outliers with normals at random 1 in 100 does.
@@ -23,11 +23,11 @@ bool agree(const Cloud& cloud, std::uint32_t i, const Neighbour& other);
 bool agrees_with_neighbours(const Cloud& cloud, const KdTree3& tree, std::uint32_t i,
                             float reach = std::numeric_limits<float>::infinity());
 
-/// Where most of the nearest points are that face against a point.
+/// Where most of a point's nearest neighbours lie, if most of them face the opposite way.
 enum class Opposed : std::uint8_t {
-  kNowhere,  ///< fewer than half of them do
-  kBeside,   ///< within 30 degrees of its plane: it faces against the sheet that it lies in
-  kBehind,   ///< on the other side of a thin wall, which more views saw
+  kNowhere,  ///< most do not face the opposite way, or lie in both places
+  kBeside,   ///< within 30 degrees of its plane: the point itself faces the wrong way
+  kBehind,   ///< above or below its plane: they are the other side of a thin wall, which more views saw
 };
 Opposed opposed(const Cloud& cloud, const KdTree3& tree, std::uint32_t i);
 

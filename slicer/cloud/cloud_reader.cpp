@@ -8,6 +8,7 @@
 #include "slicer/reader/formats/format_probe.hpp"
 #include "slicer/reader/peeked_source.hpp"
 #include "slicer/reader/scan_reader.hpp"
+#include "slicer/reader/view_poses.hpp"
 
 namespace plumbline {
 namespace {
@@ -28,14 +29,15 @@ class CloudSink final : public PointSink {
       : settings_(settings), room_(room), later_(later), arena_(arena) {}
 
   /// Call before each file is read.
-  void start_file(const ByteSource& source, const StageProgress& progress) {
+  void start_file(const ByteSource& source, const ScanPose& pose, const StageProgress& progress) {
     source_ = &source;
+    pose_ = pose;
     progress_ = progress;
   }
 
   Status begin(const ScanHeader& header) override {
     if (!thinner_) PLUMBLINE_TRY(take_room(header));
-    thinner_->begin(header);
+    thinner_->begin(header, pose_);
     // Files are told apart: each was seen as a whole, if it doesn't say more.
     if (!header.has_views) thinner_->begin_view({});
     return {};
@@ -87,7 +89,8 @@ class CloudSink final : public PointSink {
   ScanAnnouncement later_;
   Arena& arena_;
   const ByteSource* source_ = nullptr;  ///< the file that is being read
-  StageProgress progress_;              ///< of that file
+  ScanPose pose_;                       ///< of that file, as is the progress
+  StageProgress progress_;
   CloudReading reading_;
   std::size_t below_cloud_ = 0;  ///< mark of the arena
   std::optional<PointThinner> thinner_;
@@ -150,13 +153,15 @@ Expected<CloudReading> read_all(ScanSources sources, const CloudReadSettings& se
   // The reader's workspace is at the bottom, since the size of the cloud at the top depends on the header it reads.
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
-  ScanQueue queue(sources);
+  const auto poses = ViewPoses::read(sources, *workspace);
+  PLUMBLINE_TRY(poses);
+  ScanQueue queue(sources.first(poses->scans()));
   const auto later = queue.peek(*workspace, arena);
   PLUMBLINE_TRY(later);
   const std::size_t bottom = arena.bottom_mark();
   CloudSink sink(settings, room, *later, arena);
   for (std::size_t i = 0; i < queue.size(); ++i) {
-    sink.start_file(queue[i], queue.part({progress, Stage::kRead}, i));
+    sink.start_file(queue[i], poses->of(i), queue.part({progress, Stage::kRead}, i));
     const auto summary = read_scan(queue[i], sink, *workspace, &arena);
     PLUMBLINE_TRY(summary);
     arena.release_bottom(bottom);

@@ -50,11 +50,13 @@ PointThinner::PointThinner(Cloud& cloud, std::uint32_t capacity, std::span<std::
       table_(std::span(reinterpret_cast<std::uint32_t*>(table.data()), slots_for(capacity))),
       index_mask_(std::bit_ceil(capacity + 1) - 1),
       rotation_(rotation),
+      pose_{rotation, Vec3d::Zero()},
       cell_(cell) {
   table_.clear();
 }
 
-void PointThinner::begin(const ScanHeader& header) {
+void PointThinner::begin(const ScanHeader& header, const ScanPose& pose) {
+  pose_ = {rotation_ * pose.rotation, rotation_ * pose.translation};
   unsigned_normals_ = unsigned_normals_ || header.has_unsigned_normals;
   seen_before_ = seen_;
 }
@@ -67,7 +69,8 @@ void PointThinner::begin_view(const ScanView& view) {
 std::uint8_t PointThinner::number_of(const ScanView& view) {
   CloudViews& views = cloud_.views;
   if (views.of.empty()) return kNoView;
-  const Vec3d local = view.scanner ? Vec3d(rotation_ * *view.scanner - offset_) : Vec3d::Zero();
+  const Vec3d local =
+      view.scanner ? Vec3d(pose_.rotation * *view.scanner + pose_.translation - offset_) : Vec3d::Zero();
   const bool has_scanner = view.scanner && local.squaredNorm() < kFarthest * kFarthest;
   const Vec3f place = has_scanner ? Vec3f(local.cast<float>()) : Vec3f::Zero();
   if (views.count < kMaxViews) {
@@ -214,7 +217,7 @@ Status PointThinner::take(std::span<const ScanPoint> points) {
   std::array<Incoming, kTogether> incoming;
   std::uint32_t held = 0;
   for (const ScanPoint& point : points) {
-    const Vec3d rotated = rotation_ * Vec3d(point.x, point.y, point.z);
+    const Vec3d rotated = pose_.rotation * Vec3d(point.x, point.y, point.z) + pose_.translation;
     if (seen_++ == 0) offset_ = rotated;
     const Vec3f local = (rotated - offset_).cast<float>();
     if (!(std::abs(local[0]) < 1e18F && std::abs(local[1]) < 1e18F && std::abs(local[2]) < 1e18F)) {
@@ -228,7 +231,7 @@ Status PointThinner::take(std::span<const ScanPoint> points) {
     taken.view = *view_number_;
     taken.position = local;
     taken.normal = {};
-    taken.normal.set((rotation_ * Vec3d(point.nx, point.ny, point.nz)).cast<float>());
+    taken.normal.set((pose_.rotation * Vec3d(point.nx, point.ny, point.nz)).cast<float>());
     if (held == kTogether) {
       add(incoming);
       held = 0;

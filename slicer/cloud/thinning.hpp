@@ -6,6 +6,7 @@
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/cell_table.hpp"
+#include "slicer/reader/records/scan_pose.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
 namespace plumbline {
@@ -29,8 +30,9 @@ class PointThinner {
   ///                  longest side, which points far away from the others don't make longer
   PointThinner(Cloud& cloud, std::uint32_t capacity, std::span<std::byte> table, const Mat3d& rotation, double cell);
 
-  /// Call once for each file, before its points.
-  void begin(const ScanHeader& header);
+  /// Call for each file before its points.
+  /// @param pose  of the file
+  void begin(const ScanHeader& header, const ScanPose& pose = {});
   /// Call before the points of each view. Beyond kMaxViews, a view joins the one whose scanner is nearest.
   void begin_view(const ScanView& view);
   /// @retval ErrorCode::kMalformed  a point is too far away for a float
@@ -78,7 +80,8 @@ class PointThinner {
   /// slot, the tag nearly always tells which one has it, without a look at the point.
   CellTable<std::uint32_t> table_;
   std::uint32_t index_mask_;
-  Mat3d rotation_;
+  Mat3d rotation_;  ///< from scan axes to print axes
+  ScanPose pose_;   ///< from the current file's axes to print axes
   double cell_;
   Vec3d offset_ = Vec3d::Zero();
   std::uint64_t seen_ = 0;

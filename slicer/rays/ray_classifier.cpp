@@ -123,8 +123,9 @@ bool RayClassifier::level_inside(std::uint32_t level, float x, float y) {
   return block.is_inside(level);
 }
 
-/// Whether every kStride-th level of a gap is on the same side as both of its ends. If none lies in it and the ends are inside, its middle
-/// must not be surely outside: the supports of a sparse sheet reach through a thin wall, and beyond it they all say inside.
+/// Whether a gap whose ends are on the same side is on that side throughout, by every kStride-th level. A gap that is too short for a level,
+/// with ends inside, is asked in its middle, which must not be surely outside: the supports of a sparse sheet reach through a thin wall, and
+/// on the far side of it they all say inside.
 bool RayClassifier::gap_agrees(float x, float y, float low, float high, bool inside) {
   const auto first = static_cast<std::uint32_t>(std::max(low, 0.0F) / (top_ / kLevels));
   bool asked = false;
@@ -162,7 +163,7 @@ RayClassifier::Gap RayClassifier::decide_gap(float x, float y, float low, float 
     at = z;
   }
   if (!gap) {
-    // No level lies in the gap. In so short a gap the bands on both sides are better evidence than the whole cloud, unless that is sure.
+    // No level lies in the gap. In so short a gap the bands on both sides are better evidence than the whole cloud, unless the cloud is sure.
     if (below != above) bisect(x, y, low, high, below);
     gap = below != above ? Gap{below, above} : Gap{!below, !above};
   } else if (gap->inside_at_high != above && winding_.inside({x, y, high}) == above) {

@@ -12,7 +12,7 @@
 
 namespace plumbline {
 
-/// 1 to kMostScans streams, in the order in which they are read. Thinning depends on the order: the first point of a cell
+/// 1 to kMostScans streams, in the order in which they are read; after the scans any .conf that says where these lie (ViewPoses). Thinning depends on the order: the first point of a cell
 /// fixes the cell's place in the cloud.
 using ScanSources = std::span<ByteSource* const>;
 inline constexpr std::size_t kMostScans = 32;  ///< files; each costs 4 KiB of arena for its header

@@ -25,7 +25,6 @@ constexpr float kRounded = 1.001F;    ///< of normals: the square of their lengt
 }  // namespace
 
 std::optional<float> sparse_share(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon) {
-  if (opposed(cloud, tree, i) == Opposed::kBeside) return std::nullopt;
   std::array<Neighbour, kSearch> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   const auto square = [&](float epsilons) { return epsilons * epsilon * epsilons * epsilon; };
   const Vec3f normal = cloud.normal[i].unpack();
@@ -48,6 +47,7 @@ std::optional<float> sparse_share(const Cloud& cloud, const KdTree3& tree, std::
   }
   if (near < kSparsePoints || std::abs(height) > kMostHeight * distance) return std::nullopt;
   if (farthest2 > square(kSparseRadius) && agreeing + kMayDiffer < kSparsePoints) return std::nullopt;
+  if (opposed(cloud, tree, i) == Opposed::kBeside) return std::nullopt;
   return std::sqrt(farthest2 / static_cast<float>(near));
 }
 

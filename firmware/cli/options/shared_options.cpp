@@ -186,7 +186,7 @@ CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
   auto* scan = app.add_option("scan", job.scans,
                               "A scan (PLY, PCD, OBJ, E57, LAS, PTX, SPZ, or text: XYZ, XYZRGB, PTS, ASC, TXT, CSV) or "
                               "a mesh (STL, OBJ, PLY, OFF, 3MF). Several files in one frame make one object, and so do "
-                              "the files of a folder")
+                              "the files of a folder. A .conf beside them that says where they lie is used")
                    ->required()
                    ->expected(1, static_cast<int>(kMostScans))
                    ->type_name("SCAN");

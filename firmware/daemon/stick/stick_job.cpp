@@ -119,6 +119,7 @@ Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path)
 std::string StickJob::title() const { return scans.empty() ? "" : title_of(scans.front(), scans.size()).c_str(); }
 
 Status find_files(StickJob& job, const StickMount& mount) {
+  put_poses_last(job.scans);
   if (job.scans.size() != 1 || !mount.is_folder(job.scans[0])) return {};
   struct Listing final : StickMount::FileVisitor {
     void on_file(std::string_view name, const StickFileFacts& facts) override {

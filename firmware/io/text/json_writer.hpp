@@ -14,7 +14,7 @@
 
 namespace plumbline {
 
-/// Rounds a figure to the three decimals that state and reports show.
+/// Rounds to three decimals, as the state and the reports show figures.
 inline double thousandths(double value) { return std::round(value * 1000) / 1000; }
 
 /// Writes one JSON value through a fixed buffer. Libraries build the document on the heap, which a job must not use.

@@ -11,4 +11,10 @@ class ReadProgress {
   virtual bool progress(double fraction) = 0;
 };
 
+/// For what is too short to be cancelled.
+class NoProgress final : public ReadProgress {
+ public:
+  bool progress(double /*fraction*/) override { return true; }
+};
+
 }  // namespace plumbline

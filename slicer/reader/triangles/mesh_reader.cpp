@@ -15,11 +15,6 @@ constexpr std::size_t kWindow = std::size_t{64} * 1024;  ///< bytes: the longest
 /// polygons make them fewer, and triangles that share no vertex have a third.
 constexpr std::uint64_t kMostVerticesPerFace = 4;
 
-class NoProgress final : public ReadProgress {
- public:
-  bool progress(double /*fraction*/) override { return true; }
-};
-
 Expected<MeshHint> hint_of_ply(ByteInput& input, Arena& memory) {
   LineInput lines(input);
   const auto header = read_ply_header(lines, memory);

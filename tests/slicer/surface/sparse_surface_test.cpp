@@ -87,7 +87,8 @@ TEST(SparseSurface, IncludesTheSparseSideOfAThinWall) {
   }
 }
 
-// Points that face against a dense sheet are far apart, and agree with each other. Their supports were as wide as they are apart.
+// A few points of a dense sheet face the wrong way. They agree with each other, so each was taken for a sparse sheet, with a support wide
+// enough to reach the next.
 TEST(SparseSurface, DoesNotIncludePointsThatAreTurnedOver) {
   Random random(5);
   Surface surface = sheet({-8, -8, 0}, {0, 16, 0}, {16, 0, 0}, 0.14, 0.3, random);
