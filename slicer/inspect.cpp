@@ -55,9 +55,8 @@ Expected<Placement> place_coarsely(const Box3d& bounds, double unit_mm, const Pl
   const double longest = bounds.size().maxCoeff() * unit_mm * coarse.scale;
   constexpr double kShortestMm = 1e-4;  // shorter objects have pixels that no number of pixels counts
   if (longest < kShortestMm) {
-    return telling(
-        Told(ToldCode::kTooSmall, {{Fact::kLongestMm, longest}}),
-        fail(ErrorCode::kNoSurface, "the object would be %.2g mm long.\tGive a size, such as --height 80mm", longest));
+    return telling(Told(ToldCode::kTooSmall, {{Fact::kLongestMm, longest}}),
+                   fail(ErrorCode::kNoSurface, "the object would be %.2g mm long.\tGive a size", longest));
   }
   coarse.pixel_pitch_mm = static_cast<float>(longest / kCoarsePixels);
   auto placed = place(bounds, unit_mm, coarse);

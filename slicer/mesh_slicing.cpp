@@ -279,8 +279,7 @@ Expected<Cloud> mesh_cloud(MeshFiles& files, const MeshSurvey& survey, Arena& ar
   const StageScope stage(Stage::kNormals, arena, progress, report.peak_bytes);
   const double longest = survey.bounds.size().maxCoeff();
   if (longest > kLongestTurned) {
-    return fail(ErrorCode::kDoesNotFit, "the mesh is %.3g units long.\tExport it again, or turn it with --rotate-x",
-                longest);
+    return fail(ErrorCode::kDoesNotFit, "the mesh is %.3g units long.\tExport it again, or turn it", longest);
   }
   Box3f box;
   box.extend(Vec3f::Zero());

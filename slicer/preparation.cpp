@@ -376,7 +376,7 @@ Status check_surface(const PreparedScan& scan, ScanSources sources, const Prepar
   if (found.floor.points > 0 && scan.cloud.size == 0) {
     return telling(Told(ToldCode::kBelowFloor, {{Fact::kFloor, found.floor.height}}),
                    fail(ErrorCode::kNoSurface,
-                        "%s: all of the scan is below the floor, at height %.5g.\tUse a lower --floor, or --floor keep",
+                        "%s: all of the scan is below the floor, at height %.5g.\tUse a lower floor, or keep it",
                         title_of(sources).c_str(), found.floor.height));
   }
   return check_has_surface(scan, sources, found, settings);
@@ -401,7 +401,7 @@ Status check_has_surface(const PreparedScan& scan, ScanSources sources, const Pr
         Told(ToldCode::kSurfaceNotFound, {{Fact::kPoints, found.cloud_points}}),
         fail(ErrorCode::kNoSurface,
              "%s: no surface found in %u point%s, to which %llu were thinned because the arena has no room for more.\t"
-             "Use a larger arena (--arena-mib), or check the normals of the scan",
+             "Use a larger arena, or check the normals of the scan",
              title.c_str(), found.cloud_points, plural_s(found.cloud_points), points));
   }
   return telling(

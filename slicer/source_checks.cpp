@@ -49,11 +49,9 @@ Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementS
   PLUMBLINE_TRY(check_extent(bounds, sources));
   const double longest = bounds.size().maxCoeff() * millimetres_per(units_of(bounds, settings)) * settings.scale;
   if (settings.fit || settings.size || longest >= kFewestPixels * settings.finest_pitch_mm()) return {};
-  const char* const advice = is_in_mm ? "Give a size, such as --height 80mm, or --scale"
-                                      : "Use --units m or --units cm if the scan is in those, or give a size, such as "
-                                        "--height 80mm";
+  const char* const advice = is_in_mm ? "Give a size or a scale" : "Check its unit, or give a size";
   return telling(
-      Told(ToldCode::kTooSmall, {{Fact::kLongestMm, longest}}),
+      Told(ToldCode::kTooSmall, {{Fact::kLongestMm, longest}}, is_in_mm ? "" : "units"),
       fail(ErrorCode::kNoSurface, "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\t%s",
            title_of(sources).c_str(), longest, kFewestPixels, advice));
 }

@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "firmware/archive/layer_numbers.hpp"
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "slicer/core/resin/foot_shrink.hpp"
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"

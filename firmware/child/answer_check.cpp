@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "slicer/placement/placement.hpp"
 
 namespace plumbline {

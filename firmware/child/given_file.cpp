@@ -5,7 +5,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 
 namespace plumbline {
 

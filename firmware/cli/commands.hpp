@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/io/exit_code.hpp"
 #include "firmware/machine/back_end.hpp"
+#include "firmware/messages/exit_code.hpp"
 #include "firmware/settings/check_policy.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_fields.hpp"

@@ -13,6 +13,7 @@
 #include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/descriptor.hpp"
 #include "firmware/io/scan_files.hpp"
+#include "firmware/messages/told_text.hpp"
 #include "firmware/print/sliced_archive.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/proof_report.hpp"
@@ -80,7 +81,7 @@ ExitCode inspect_archive(const InspectOptions& options, const JobSetup& setup) {
   std::string refusal;
   if (setup.board) {
     const auto fits = check_panel(*archive, name, printer_volume(*setup.board));
-    if (!fits) refusal = fits.error().message();
+    if (!fits) refusal = at_terminal(fits.error()).c_str();
   }
   if (options.job.quiet && !options.job.json) return ExitCode::kDone;
   OutputFile out = OutputFile::standard_output();

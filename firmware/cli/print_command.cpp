@@ -16,6 +16,7 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/machine/back_end.hpp"
+#include "firmware/messages/told_text.hpp"
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/print_summary.hpp"
 #include "firmware/print/sliced_contract.hpp"
@@ -182,7 +183,8 @@ Status make_archive_ready(const PrintOptions& options, const JobSetup& setup, co
   const int file = archive->file.get();
   const auto sliced = check_archive(file, name, target, arena, &terminal.progress());
   PLUMBLINE_TRY(sliced);
-  for_each_remark(*sliced, [&](const Told&, std::string_view remark) { terminal.warn(remark); });
+  for_each_remark(*sliced,
+                  [&](const Told& told, std::string_view remark) { terminal.warn(at_terminal(told, remark).view()); });
   auto with_archives = profile_of(profile, sliced->settings, name, options.by_person());
   PLUMBLINE_TRY(with_archives);
   profile = std::move(*with_archives);
@@ -222,7 +224,8 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, Printer& p
   };
   PLUMBLINE_TRY(
       session.slice_scan(scan->sources(), settings, *supports, printer.profile, &terminal.progress(), accept));
-  for_each_remark(session.sliced(), [&](const Told&, std::string_view remark) { terminal.warn(remark); });
+  for_each_remark(session.sliced(),
+                  [&](const Told& told, std::string_view remark) { terminal.warn(at_terminal(told, remark).view()); });
   for_each_issue(*session.findings(), session.grid(), printer.profile.checks,
                  [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
   const auto written = write_issues_file(options.issues, {scan->title(), session.grid(), *session.findings()},

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "firmware/io/exit_code.hpp"
+#include "firmware/messages/exit_code.hpp"
 
 namespace plumbline {
 

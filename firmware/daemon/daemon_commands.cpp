@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "firmware/io/descriptor.hpp"
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 
 namespace plumbline {
 

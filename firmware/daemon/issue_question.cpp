@@ -15,7 +15,7 @@ void IssueQuestion::tell(StateRecorder& recorder) const {
 
 CheckAction IssueQuestion::action() const { return verdict(findings_, policy_); }
 
-Error IssueQuestion::refusal() const { return judge(findings_, grid_, policy_).error(); }
+Error IssueQuestion::refusal() const { return judge(findings_, grid_, policy_, false).error(); }
 
 Expected<bool> IssueQuestion::ask(OfferedContract& offered, Answers& answers, StateRecorder& recorder) const {
   const auto say = [&] {

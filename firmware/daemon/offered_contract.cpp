@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/settings/print_values.hpp"
-#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 

@@ -10,12 +10,12 @@
 #include "firmware/daemon/offered_archive.hpp"
 #include "firmware/daemon/scan_glances.hpp"
 #include "firmware/daemon/stick/stick_reports.hpp"
-#include "firmware/daemon/stick/stick_words.hpp"
 #include "firmware/daemon/stick_request.hpp"
+#include "firmware/messages/printer_code.hpp"
+#include "firmware/messages/told_text.hpp"
 #include "firmware/print/sliced_contract.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
@@ -420,7 +420,7 @@ Status PrinterDaemon::read_job(const StickMount& mount, const StickJob& job, std
   read->scan = *sliced;
   observer_.previewed(child_.pictures());
   for (std::size_t i = 0; i < sliced->remarks; ++i) {
-    observer_.warn(in_stick_words(sliced->remark[i].view()).view(), sliced->remark_told[i]);
+    observer_.warn(at_printer(sliced->remark_told[i], sliced->remark[i].view()).view(), sliced->remark_told[i]);
   }
   return {};
 }

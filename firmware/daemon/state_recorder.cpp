@@ -2,10 +2,11 @@
 
 #include <array>
 
-#include "firmware/daemon/stick/stick_words.hpp"
 #include "firmware/io/wall_clock.hpp"
+#include "firmware/messages/catalogue.hpp"
+#include "firmware/messages/printer_code.hpp"
+#include "firmware/messages/told_text.hpp"
 #include "firmware/print/status/print_lines.hpp"
-#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 
@@ -291,12 +292,8 @@ void StateRecorder::refused(FaultCode code, const Error& error) {
   const FaultText fault = explain(code, error.finding(), error.advice());
   const bool of_scan = code == fault_of(error.code());
   const Told told = error.told().empty() && of_scan ? told_of(error.code()) : error.told();
-  auto advice = in_stick_words(fault.advice.view(), told.code);
-  if (advice.view().find("--") != std::string_view::npos) {
-    // The advice names an option that job.toml does not have.
-    advice.clear();
-    advice.add("%.*s", static_cast<int>(info(code).next.size()), info(code).next.data());
-  }
+  const std::string_view known = english_remedies(told.code).remedy;
+  const ToldText advice = filled_in(known.empty() ? fault.advice.view() : known, told, Language::kEnglish);
   record_.set_fault(code, error.finding(), advice.view(), told);
   if (record_.job && record_.job->chosen && *record_.job->chosen < record_.scan_count) {
     assign(record_.scans[*record_.job->chosen].problem, fault.what.view());

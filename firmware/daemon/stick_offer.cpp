@@ -7,7 +7,7 @@
 #include "firmware/archive/layer_archive.hpp"
 #include "firmware/daemon/stick/job_setting.hpp"
 #include "firmware/io/text/fixed_text.hpp"
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
 
 namespace plumbline {

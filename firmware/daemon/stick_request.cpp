@@ -1,8 +1,8 @@
 #include "firmware/daemon/stick_request.hpp"
 
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/print/plan/print_plan.hpp"
 #include "firmware/settings/support_choice.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/support_building.hpp"
 

@@ -117,6 +117,7 @@ FixedText<128> lies_wrong_sentence(double x_degrees, double y_degrees) {
   text.add("the scan seems to lie on its side or its head. To stand it up:");
   if (x_degrees != 0) text.add(" --rotate-x %.4g", x_degrees);
   if (y_degrees != 0) text.add(" --rotate-y %.4g", y_degrees);
+  text.add(".");
   return text;
 }
 

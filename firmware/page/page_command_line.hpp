@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/io/exit_code.hpp"
+#include "firmware/messages/exit_code.hpp"
 
 namespace plumbline {
 

@@ -10,12 +10,12 @@
 #include "firmware/io/random_id.hpp"
 #include "firmware/io/text/base64.hpp"
 #include "firmware/io/text/json_cursor.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/page/clients/access.hpp"
 #include "firmware/page/octoprint.hpp"
 #include "firmware/page/page_files.hpp"
 #include "firmware/page/printer_texts.hpp"
 #include "firmware/state/socket_place.hpp"
-#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
@@ -61,7 +61,6 @@ PageServer::PageServer(const std::string& socket, PageChoice page, std::string p
       link_(command_socket(socket)),
       commands_(command_socket(socket)),
       mask_(kMostPng) {
-  static_cast<void>(write_texts(texts_, Language::kGerman));
   for (Picture& picture : pictures_) picture.png.resize(kMostPng);
 }
 
@@ -111,7 +110,6 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
                       .is_fixed = true,
                       .is_gzip = request.takes_gzip};
   }
-  if (request.path == "/texts.de.json") return HttpAnswer{.body = texts_.view(), .is_fixed = true};
   if (request.path == "/events") return HttpStream{};
   if (request.path == "/access") return access(request);
   if (request.path == "/browsers") return browsers(request);

@@ -94,7 +94,6 @@ class PageServer final : public HttpHandler {
   PageStreams streams_;
   std::array<Picture, kPictureWords.size()> pictures_;
   std::vector<std::byte> mask_;  ///< scratch
-  TextBuffer<49152> texts_;
 };
 
 }  // namespace plumbline

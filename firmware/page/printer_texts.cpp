@@ -2,11 +2,6 @@
 
 #include "firmware/io/random_id.hpp"
 #include "firmware/io/text/json_cursor.hpp"
-#include "firmware/io/text/json_writer.hpp"
-#include "firmware/print/status/fault.hpp"
-#include "firmware/screen/fault_words.hpp"
-#include "firmware/settings/field_words.hpp"
-#include "firmware/told/told_words.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 
 namespace plumbline {
@@ -41,29 +36,6 @@ FixedText<100> report_question(std::uint32_t print, std::uint64_t from) {
   what.add(R"("do": "report", "from": %llu)", static_cast<unsigned long long>(from));
   if (print > 0) what.add(R"(, "print": %u)", print);
   return what;
-}
-
-Status write_texts(TextSink& out, Language language) {
-  JsonWriter json(out);
-  json.begin_object(kOneLine);
-  json.key("faults");
-  json.begin_object(kOneLine);
-  for (const FaultInfo& fault : all_faults()) {
-    const FaultWords words = fault_words(fault.code, language);
-    FixedText<16> code;
-    code.add("PL-%u", static_cast<unsigned>(fault.code));
-    json.key(code.view());
-    json.begin_object(kOneLine);
-    json.member("title", words.title);
-    json.member("meaning", words.meaning);
-    json.member("remedy", words.next);
-    json.end_object();
-  }
-  json.end_object();
-  write_told_words(json, language);
-  write_field_words(json, language);
-  json.end_object();
-  return json.finish();
 }
 
 }  // namespace plumbline

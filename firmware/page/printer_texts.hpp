@@ -6,12 +6,8 @@
 #include <string_view>
 
 #include "firmware/io/text/fixed_text.hpp"
-#include "firmware/told/language.hpp"
-#include "slicer/core/error.hpp"
 
 namespace plumbline {
-
-class TextSink;
 
 /// A JSON number, if it is whole and fits.
 std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text);
@@ -31,8 +27,5 @@ FixedText<160> question_line(const char* what, std::uint64_t id);
 /// What asks for a report from its byte `from` on.
 /// @param print  0: the last one
 FixedText<100> report_question(std::uint32_t print, std::uint64_t from);
-
-/// What the state says in English, in another language: "faults" by their code, "told" as write_told_words().
-[[nodiscard]] Status write_texts(TextSink& out, Language language);
 
 }  // namespace plumbline

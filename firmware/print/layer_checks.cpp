@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 
 namespace plumbline {
 namespace {

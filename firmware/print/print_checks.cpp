@@ -1,8 +1,8 @@
 #include "firmware/print/print_checks.hpp"
 
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/print/layer_checks.hpp"
 #include "firmware/print/tank_fill.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/core/words/plural.hpp"
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/print/resume_check.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/tank_fill.hpp"
-#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {

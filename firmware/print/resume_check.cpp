@@ -1,6 +1,6 @@
 #include "firmware/print/resume_check.hpp"
 
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
 
 namespace plumbline {

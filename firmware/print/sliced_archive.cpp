@@ -8,9 +8,9 @@
 
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/io/text/fixed_text.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/print/layer_crossings.hpp"
 #include "firmware/slice/issue_report.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/checks/what_matters.hpp"
 #include "slicer/core/stage_scope.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 
 namespace plumbline {
 namespace {

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstddef>
 
+#include "firmware/messages/catalogue.hpp"
 #include "firmware/print/status/print_state.hpp"
-#include "firmware/screen/words.hpp"
 
 namespace plumbline {
 

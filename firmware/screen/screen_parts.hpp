@@ -7,11 +7,10 @@
 #include <string_view>
 
 #include "firmware/io/text/fixed_text.hpp"
+#include "firmware/messages/catalogue.hpp"
+#include "firmware/messages/told_text.hpp"
 #include "firmware/screen/page.hpp"
 #include "firmware/screen/screen_view.hpp"
-#include "firmware/screen/words.hpp"
-#include "firmware/told/told_text.hpp"
-#include "firmware/told/told_words.hpp"
 
 namespace plumbline {
 

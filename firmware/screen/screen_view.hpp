@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/screen/words.hpp"
+#include "firmware/messages/catalogue.hpp"
 #include "firmware/state/command_rules.hpp"
 #include "firmware/state/printer_record.hpp"
 

@@ -1,10 +1,10 @@
 #pragma once
 /// Draws the printer's screens. Each shows only what the state socket's record says, and the preview of a kept print.
 
+#include "firmware/messages/catalogue.hpp"
 #include "firmware/pictures/job_pictures.hpp"
 #include "firmware/screen/page.hpp"
 #include "firmware/screen/screen_view.hpp"
-#include "firmware/screen/words.hpp"
 #include "firmware/state/printer_record.hpp"
 
 namespace plumbline {

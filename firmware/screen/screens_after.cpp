@@ -5,10 +5,10 @@
 #include <ctime>
 
 #include "firmware/io/wall_clock.hpp"
-#include "firmware/screen/fault_words.hpp"
+#include "firmware/messages/catalogue.hpp"
+#include "firmware/print/status/fault.hpp"
 #include "firmware/screen/screen_parts.hpp"
 #include "firmware/screen/setting_rows.hpp"
-#include "firmware/told/told_words.hpp"
 
 namespace plumbline {
 namespace {
@@ -126,7 +126,7 @@ void draw_fault(const Sheet& sheet) {
   ShortText title;
   title.add("%.*s PL-%u", static_cast<int>(word.size()), word.data(), static_cast<unsigned>(fault->code));
   draw_title(sheet, title.view(), ink::kFaultBar);
-  const FaultWords known = fault_words(fault->code, sheet.language);
+  const FaultWords& known = info(fault->code, sheet.language);
   const PixelBox body = sheet.body();
   ShortText name;
   name.add("%c%.*s", std::toupper(static_cast<unsigned char>(known.title[0])), static_cast<int>(known.title.size()) - 1,

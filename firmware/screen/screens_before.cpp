@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/messages/catalogue.hpp"
 #include "firmware/screen/screen_parts.hpp"
 #include "firmware/screen/setting_rows.hpp"
-#include "firmware/settings/field_words.hpp"
-#include "firmware/told/told_words.hpp"
 
 namespace plumbline {
 namespace {
@@ -290,11 +289,11 @@ void draw_contract(const Sheet& sheet) {
     const PixelBox room = draw_row(sheet, box, part.first + i == sheet.view.value);
     int digits = 0;
     for (double scaled = value; digits < 3 && std::abs(scaled - std::round(scaled)) > 1e-6; scaled *= 10) ++digits;
-    const auto said = source_words(source, sheet.language);
+    const auto said = source_words(kSourceWords[static_cast<std::size_t>(source)], sheet.language);
     ShortText shown;
     shown.add("%s%s · %.*s", decimal(value, digits, sheet.language).c_str(), field.is_whole() ? "" : field.unit,
               static_cast<int>(said.size()), said.data());
-    draw_pair(sheet, room, field_words(field.key, sheet.language).view(), shown.view(),
+    draw_pair(sheet, room, field_words(field.name, sheet.language), shown.view(),
               sheet.plain(source == ValueSource::kPerson ? ink::kGood : ink::kText));
   }
 }

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "firmware/io/text/fixed_text.hpp"
-#include "firmware/screen/words.hpp"
+#include "firmware/messages/catalogue.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/printer_record.hpp"
 

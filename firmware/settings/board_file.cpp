@@ -15,7 +15,6 @@ constexpr double kMaxSide = PrintGrid::kMaxSide;
 constexpr std::array<std::string_view, 2> kPackings = {"none", "rgb"};    // by PanelLayout::rgb
 constexpr std::array<std::string_view, 3> kMirrors = {"none", "x", "y"};  // by PanelLayout::Mirror
 constexpr std::array<std::string_view, 3> kStarts = {"on_request", "on_stick", "after_preview"};  // by StartChoice
-constexpr std::array<std::string_view, 2> kLanguages = {"en", "de"};                              // by Language
 constexpr std::array<std::string_view, 3> kPages = {"off", "local", "network"};                   // by PageChoice
 constexpr std::array<std::uint32_t, 9> kMicrosteps = {1, 2, 4, 8, 16, 32, 64, 128, 256};
 
@@ -27,7 +26,7 @@ std::vector<SettingRule> board_rules(BoardFile& board, MachineFile& machine) {
       {"printer", "name", TextSetting{&board.name}, 1, 63},
       {"printer", "simulated", &machine.simulated, 0, 0, "", kMachine},
       {"printer", "state_socket", TextSetting{&machine.state_socket, TextKind::kPath}, 1, 255, "", Presence::kOptional},
-      {"printer", "language", choice(kLanguages, machine.language), 0, 0, "", Presence::kOptional},
+      {"printer", "language", choice(kLanguageCodes, machine.language), 0, 0, "", Presence::kOptional},
       {"printer", "page", choice(kPages, machine.page), 0, 0, "", Presence::kOptional},
       {"printer", "page_port", &machine.page_port, 1024, 65535, "", Presence::kOptional},
       {"printer", "page_host", TextSetting{&machine.page_host}, 1, 253, "", Presence::kOptional},

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/messages/catalogue.hpp"
 #include "firmware/settings/settings_file.hpp"
-#include "firmware/told/language.hpp"
 #include "hal/panel_layout.hpp"
 #include "hal/wiring.hpp"
 #include "slicer/core/error.hpp"

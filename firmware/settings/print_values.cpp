@@ -1,7 +1,7 @@
 #include "firmware/settings/print_values.hpp"
 
 #include "firmware/io/text/fixed_text.hpp"
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 #include "slicer/core/words/printable_text.hpp"
 

@@ -22,7 +22,7 @@ std::string listed(std::span<const Item> items) {
 
 std::string allowed(const SettingRule& rule) {
   const std::string range = number(rule.low) + " to " + number(rule.high);
-  struct Words {
+  struct Wording {
     const SettingRule& rule;
     const std::string& range;
     std::string operator()(const TextSetting& text) const {
@@ -40,7 +40,7 @@ std::string allowed(const SettingRule& rule) {
       return "one of the integers " + listed(choice.numbers) + rule.unit;
     }
   };
-  return std::visit(Words{rule, range}, rule.value);
+  return std::visit(Wording{rule, range}, rule.value);
 }
 
 std::vector<std::string_view> known_tables(std::span<const SettingRule> rules) {

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/settings/setting_words.hpp"
-#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
@@ -196,7 +196,7 @@ CheckAction verdict(const StackFindings& findings, const CheckPolicy& policy) {
   return strictest;
 }
 
-Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy) {
+Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy, bool at_terminal) {
   const CheckAction action = verdict(findings, policy);
   if (action < CheckAction::kAsk) return {};
   std::optional<IssueKind> first;
@@ -214,8 +214,9 @@ Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPo
   const int capital = std::toupper(static_cast<unsigned char>(advice[0]));
   const Told told = told_issue(*first, findings, grid);
   if (action == CheckAction::kAsk) {
-    return telling(told, fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it with --accept", found.c_str(), capital,
-                              static_cast<int>(advice.size()) - 1, advice.data() + 1));
+    return telling(told, fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it%s", found.c_str(), capital,
+                              static_cast<int>(advice.size()) - 1, advice.data() + 1,
+                              at_terminal ? " with --accept" : ""));
   }
   return telling(told, fail(ErrorCode::kBadSetting, "%s, which the profile refuses.\t%c%.*s, or set %.*s in [checks]",
                             found.c_str(), capital, static_cast<int>(advice.size()) - 1, advice.data() + 1,

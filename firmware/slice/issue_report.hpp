@@ -39,9 +39,11 @@ void for_each_issue(const StackFindings& findings, const PrintGrid& grid, const 
 /// The strictest action for what was found.
 CheckAction verdict(const StackFindings& findings, const CheckPolicy& policy);
 
+/// @param at_terminal  whether the message may name options of the command line
 /// @retval ErrorCode::kBadSetting  something must not be printed, or must be accepted first; the message says what was found: the first of the
 ///                                 strictest kinds with size and place, and how many of the others
-[[nodiscard]] Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy);
+[[nodiscard]] Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy,
+                           bool at_terminal = true);
 
 /// Writes the findings as the member "issues"; firmware/README.md explains it.
 void write_issues(JsonWriter& json, const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy);

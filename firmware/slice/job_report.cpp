@@ -3,9 +3,10 @@
 #include <algorithm>
 
 #include "firmware/io/progress_lines.hpp"
+#include "firmware/messages/printer_code.hpp"
+#include "firmware/messages/told_text.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/proof_report.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
@@ -32,21 +33,18 @@ void for_each_size_remark(const SliceReport& slice, RemarkVisit visit) {
           ignored_units_warning(*slice.ignored_units).view());
   }
   if (slice.units_guessed) {
-    text.add(
-        "the scan is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess. Confirm it with "
-        "--units %s, give another unit, or a size: --height 80mm",
-        longest / slice.placement.scale, to_string(slice.units), longest, to_string(slice.units));
+    text.add("the scan is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess",
+             longest / slice.placement.scale, to_string(slice.units), longest);
     visit({PrinterCode::kUnitsGuessed, {{Fact::kLongestMm, longest}}, to_string(slice.units)}, text.view());
   }
   text = {};
+  const char* const unit_option = slice.scan.header.is_in_mm ? "" : "units";
   if (longest < kSmallestUsual) {
-    text.add("the object is only %.3g mm long. If that is wrong, %s give a size: --height 80mm", longest,
-             slice.scan.header.is_in_mm ? "use --scale, or" : "use --units m, --units cm, --units in, or");
-    visit({PrinterCode::kObjectSmall, {{Fact::kLongestMm, longest}}}, text.view());
+    text.add("the object is only %.3g mm long", longest);
+    visit({PrinterCode::kObjectSmall, {{Fact::kLongestMm, longest}}, unit_option}, text.view());
   } else if (longest > kLargestUsual) {
-    text.add("the object is %.4g mm long. If that is wrong, use %s, or --fit with a printer", longest,
-             slice.scan.header.is_in_mm ? "--scale" : "--units or --scale");
-    visit({PrinterCode::kObjectLarge, {{Fact::kLongestMm, longest}}}, text.view());
+    text.add("the object is %.4g mm long", longest);
+    visit({PrinterCode::kObjectLarge, {{Fact::kLongestMm, longest}}, unit_option}, text.view());
   }
   const auto pitch = static_cast<double>(std::min(grid.pitch_x_mm, grid.pitch_y_mm));
   const Vec3d thinnest = kThinnest * Vec3d(pitch, pitch, static_cast<double>(grid.layer_height_mm));
@@ -163,31 +161,22 @@ Sentence stray_warning(const StrayPieces& strays) {
   Sentence text;
   if (strays.pieces == 0) return text;
   const bool one = strays.pieces == 1;
-  text.add(
-      "%u stray piece%s left out: %u point%s apart from the object, %.2g %% of the scan's surface. --keep-all keeps %s",
-      strays.pieces, one ? " was" : "s were", strays.points, plural_s(strays.points),
-      100 * static_cast<double>(strays.share), one ? "it" : "them");
+  text.add("%u stray piece%s left out: %u point%s apart from the object, %.2g %% of the scan's surface", strays.pieces,
+           one ? " was" : "s were", strays.points, plural_s(strays.points), 100 * static_cast<double>(strays.share));
   return text;
 }
 
 Sentence ignored_units_warning(Units units) {
   Sentence text;
-  text.add(
-      "the unit %s was ignored: the file says its own (E57 in metres, 3MF and tables any). If the print has the wrong "
-      "size, give "
-      "one: --height 80mm",
-      to_string(units));
+  text.add("the unit %s was ignored: the file says its own (E57 in metres, 3MF and tables any)", to_string(units));
   return text;
 }
 
 Sentence floor_warning(const FloorCut& floor, double scale) {
   Sentence text;
   const Vec3d mm = floor.size * scale;
-  // What to do comes first: a screen may have no room for the rest.
-  text.add(
-      "a floor of %.1f x %.1f x %.1f mm was cut off; if it is a plinth, --floor keep prints it. It ends at height %.5g "
-      "of the scan",
-      mm[0], mm[1], mm[2], floor.height);
+  text.add("a floor of %.1f x %.1f x %.1f mm was cut off, at height %.5g of the scan", mm[0], mm[1], mm[2],
+           floor.height);
   constexpr float kLevel = 0.001F;
   if (floor.tilt > kLevel) text.add(", which was levelled by %.2g in 100", 100 * static_cast<double>(floor.tilt));
   return text;
@@ -374,24 +363,23 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
   if (slice.components.floating_solids > 0) {
     text = {};
     const bool one = slice.components.floating_solids == 1;
-    text.add("%u small solid%s neither the object nor the plate %s left out. --keep-all keeps %s",
-             slice.components.floating_solids, one ? " that touches" : "s that touch", one ? "was" : "were",
-             one ? "it" : "them");
+    text.add("%u small solid%s neither the object nor the plate %s left out", slice.components.floating_solids,
+             one ? " that touches" : "s that touch", one ? "was" : "were");
     visit({PrinterCode::kSolidsLeftOut, {{Fact::kCount, slice.components.floating_solids}}}, text.view());
   }
   remark_on_losses(slice, visit);
   if (slice.components.sealed_cavities > 0) {
     text = {};
     const bool one = slice.components.sealed_cavities == 1;
-    text.add("%u small enclosed cavit%s, which no scanner can have seen, %s filled. --keep-all keeps %s",
-             slice.components.sealed_cavities, one ? "y" : "ies", one ? "was" : "were", one ? "it" : "them");
+    text.add("%u small enclosed cavit%s, which no scanner can have seen, %s filled", slice.components.sealed_cavities,
+             one ? "y" : "ies", one ? "was" : "were");
     visit({PrinterCode::kCavitiesFilled, {{Fact::kCount, slice.components.sealed_cavities}}}, text.view());
   }
   if (slice.crossings > 0 && !(slice.components.counted && slice.features.counted)) {
     visit(PrinterCode::kSmallPartsStay,
           "the arena had no room to look for small parts: loose solids, enclosed cavities, islands and holes that the "
           "scan "
-          "does not resolve stay. A larger arena (--arena-mib) has it");
+          "does not resolve stay");
   }
   if (lies_on_its_face(slice.clustering)) {
     visit(PrinterCode::kOnItsFace, kOnItsFaceText);
@@ -400,7 +388,7 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
     Told told(PrinterCode::kLiesWrong);
     if (x != 0) told.add(Fact::kTurnXDeg, x);
     if (y != 0) told.add(Fact::kTurnYDeg, y);
-    visit(told, lies_wrong_sentence(x, y).view());
+    visit(told, "the scan seems to lie on its side or its head");
   }
   if (slice.normals.estimated > 0 && slice.averagings == 0) {
     text = {};
@@ -412,8 +400,8 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
 
 void find_warnings(JobReport& report) {
   const SliceReport& s = report.slice;
-  for_each_remark(s, [&](const Told&, std::string_view warning) {
-    report.warnings.add().add("%.*s", static_cast<int>(warning.size()), warning.data());
+  for_each_remark(s, [&](const Told& told, std::string_view warning) {
+    report.warnings.add().add("%s", at_terminal(told, warning).c_str());
   });
   if (s.proof.is_doubtful()) report.warnings.add().add("%s", points_off_warning(s.proof).c_str());
   if (report.coverage) {

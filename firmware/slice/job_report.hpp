@@ -114,9 +114,7 @@ FixedText<128> mesh_text(const MeshCounts& mesh);
 /// Whether the scan shows one side only, and that side faces down.
 bool lies_on_its_face(const ClusteringCounts& clustering);
 inline constexpr const char* kOnItsFaceText =
-    "the scan shows one side only, which faces down, so most of it can't be closed. Turn it over to print it as a "
-    "relief: "
-    "--rotate-x 180, or rotate_x_deg = 180 in job.toml";
+    "the scan shows one side only, which faces down, so most of it can't be closed";
 
 using RemarkVisit = FunctionRef<void(const Told& told, std::string_view sentence)>;
 /// A sentence each for what was left out of the scan, what was changed in it, and a bad orientation.

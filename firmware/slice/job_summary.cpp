@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "firmware/messages/told_text.hpp"
 #include "firmware/slice/job_archive.hpp"
 #include "firmware/slice/proof_report.hpp"
 #include "slicer/core/numbers/mib.hpp"
@@ -119,7 +120,10 @@ void add_clusters(Text& text, const SliceReport& s) {
              static_cast<double>(s.lengths.views_moved.value), static_cast<double>(s.lengths.views_before.value),
              static_cast<double>(s.lengths.views_after.value));
   }
-  if (s.strays.pieces > 0) text.add("strays     %s\n", stray_warning(s.strays).c_str());
+  if (s.strays.pieces > 0)
+    text.add("strays     %s\n", at_terminal({PrinterCode::kPiecesLeftOut, {{Fact::kCount, s.strays.pieces}}},
+                                            stray_warning(s.strays).view())
+                                    .c_str());
   text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.lengths.epsilon.value),
            static_cast<double>(s.width_mm), static_cast<double>(s.lengths.noise.value));
 }

@@ -5,8 +5,8 @@
 #include "firmware/io/random_id.hpp"
 #include "firmware/io/text/json_writer.hpp"
 #include "firmware/io/version.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/state/command_rules.hpp"
-#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
@@ -337,7 +337,7 @@ void write_findings(JsonWriter& json, const PrinterRecord& record) {
 void write_fault(JsonWriter& json, const PrinterRecord& record) {
   if (!record.fault) return json.null();
   const FaultRecord& fault = *record.fault;
-  const FaultInfo& known = info(fault.code);
+  const FaultWords& known = info(fault.code);
   FixedText<16> code;
   code.add("PL-%u", static_cast<unsigned>(fault.code));
   json.begin_object(kOneLine);

@@ -9,9 +9,9 @@
 #include <cstring>
 
 #include "firmware/io/text/base64.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/state/command_rules.hpp"
 #include "firmware/state/socket_place.hpp"
-#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {

@@ -61,8 +61,8 @@ LatticeTriangle on_lattice(const MeshLattice& lattice, const Triangle& t) {
 
 tl::unexpected<Error> fail_full(const HitList& hits) {
   return fail(ErrorCode::kOutOfMemory,
-              "mesh: its rays have more crossings than the %zu that the arena has room for.\tUse a larger arena "
-              "(--arena-mib), a coarser grid or a smaller --scale",
+              "mesh: its rays have more crossings than the %zu that the arena has room for.\tUse a larger arena, "
+              "a coarser grid or a smaller scale",
               hits.capacity());
 }
 

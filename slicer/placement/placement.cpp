@@ -135,7 +135,7 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   double factor = scale_of(extent, settings);
   if (!settings.fit && std::isinf(factor)) {
     return fail(ErrorCode::kDoesNotFit,
-                "the object is flat: no scale gives it a %s of %.4g mm.\tUse another side, or --scale",
+                "the object is flat: no scale gives it a %s of %.4g mm.\tGive another side, or a scale",
                 to_string(settings.size->side), settings.size->mm);
   }
   if (settings.printer) {
@@ -171,17 +171,21 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
         if (extent[a] * room[worst] > extent[worst] * room[a]) worst = a;
       }
       const double least = settings.size ? settings.size->mm / factor : 1;
+      const double most = rounded_down(proposed * kClear * least);
       const char* const option = settings.size ? to_string(settings.size->side) : "scale";
       const auto [axis, code, side] = kAxes[static_cast<std::size_t>(worst)];
       return telling(
-          Told(code, {{side, extent[worst] * factor},
-                      {Fact::kLimitMm, room[worst]},
-                      {Fact::kExcessMm, extent[worst] * factor - room[worst]}}),
+          Told(code,
+               {{side, extent[worst] * factor},
+                {Fact::kLimitMm, room[worst]},
+                {Fact::kExcessMm, extent[worst] * factor - room[worst]},
+                {settings.size ? Fact::kMostMm : Fact::kMostScale, most}},
+               settings.size ? option : ""),
           fail(ErrorCode::kDoesNotFit,
-               "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much.\tUse --%s %.4g%s "
-               "or less, --fit, or rotate it",
-               extent[worst] * factor, axis, room[worst], extent[worst] * factor - room[worst], option,
-               rounded_down(proposed * kClear * least), settings.size ? "mm" : ""));
+               "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much.\tUse a %s of %.4g%s "
+               "or less, or rotate it",
+               extent[worst] * factor, axis, room[worst], extent[worst] * factor - room[worst], option, most,
+               settings.size ? " mm" : ""));
     }
     p.size_mm = extent * factor;
     p.grid.layers = cells(p.size_mm[2], lh);
@@ -209,13 +213,15 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
       p.grid.layers > PrintGrid::kMaxLayers) {
     const double most = std::min({(PrintGrid::kMaxSide - 2.0 * margin) * pitch / std::max(extent[0], extent[1]),
                                   PrintGrid::kMaxLayers * static_cast<double>(settings.layer_height_mm) / extent[2]});
-    return fail(
-        ErrorCode::kDoesNotFit,
-        "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layer%s of %.4g mm; the "
-        "limit is %u x %u pixels and %u layers.\tUse --scale %.4g or less, a coarser --pixel-pitch, or check --units",
-        p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
-        plural_s(p.grid.layers), static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide,
-        PrintGrid::kMaxSide, PrintGrid::kMaxLayers, rounded_down(most * kClear));
+    const double most_scale = rounded_down(most * kClear);
+    return telling(
+        Told(ToldCode::kTooManyPixels, {{Fact::kMostScale, most_scale}}),
+        fail(ErrorCode::kDoesNotFit,
+             "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layer%s of %.4g mm; the "
+             "limit is %u x %u pixels and %u layers.\tUse a scale of %.4g or less, larger pixels, or check the unit",
+             p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
+             plural_s(p.grid.layers), static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide,
+             PrintGrid::kMaxSide, PrintGrid::kMaxLayers, most_scale));
   }
   p.shift = Vec3d(margin * pitch, margin * pitch, 0) - low;
   return p;

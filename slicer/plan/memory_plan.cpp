@@ -160,14 +160,14 @@ Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::ui
               ErrorCode::kOutOfMemory,
               "the job does not fit into the arena of %.1f MiB: this compressed scan stores its columns one after "
               "another, and keeping them takes %.1f MiB while it is read.\tSave it without compression (PCD as binary, "
-              "splats as PLY), or use a larger arena (--arena-mib)",
+              "splats as PLY), or use a larger arena",
               mib(arena_bytes), mib(evidence.reader_bytes)));
     }
     return telling(
         Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, mib(plan.peak())}, {Fact::kAvailableMib, mib(arena_bytes)}}),
         fail(ErrorCode::kOutOfMemory,
              "the job does not fit into the arena of %.1f MiB: stage '%.*s' needs %.1f MiB even for a scan "
-             "thinned to %u points.\tUse a larger arena (--arena-mib), fewer threads or a smaller panel",
+             "thinned to %u points.\tUse a larger arena, fewer threads or a smaller panel",
              mib(arena_bytes), static_cast<int>(to_string(plan.widest()).size()), to_string(plan.widest()).data(),
              mib(plan.peak()), kFewestPoints));
   }

@@ -80,8 +80,8 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
   return telling(
       Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, mib(need)}, {Fact::kAvailableMib, mib(arena.capacity())}}),
       fail(ErrorCode::kOutOfMemory,
-           "%s: the object's %.0f crossings need about %.1f MiB, the arena has %.1f MiB.\tUse a larger arena "
-           "(--arena-mib), a coarser grid or a smaller --scale",
+           "%s: the object's %.0f crossings need about %.1f MiB, the arena has %.1f MiB.\tUse a larger arena, "
+           "a coarser grid or a smaller scale",
            need == shooting ? "rays" : (need == sorting ? "R-Rep" : "layers"), sure.crossings, mib(need),
            mib(arena.capacity())));
 }

@@ -62,7 +62,7 @@ Expected<std::size_t> RereadSource::read(std::span<std::byte> buffer) {
     return fail(
         ErrorCode::kOutOfMemory,
         "%s: the file is read twice, this one comes through a pipe, and the arena has only %.1f MiB for a copy.\t"
-        "Give it as a file, or use a larger arena (--arena-mib)",
+        "Give it as a file, or use a larger arena",
         PrintableText(name(), 96).c_str(), mib(kept_.size()));
   }
   std::memcpy(kept_.data() + filled_, buffer.data(), *got);

@@ -27,8 +27,8 @@ Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& me
       return telling(
           Told(ToldCode::kNotPoints),
           input.fail(ErrorCode::kUnsupported,
-                     "this is %s, a mesh without scanned points;\tslice it as a mesh: leave out --as points, and give "
-                     "no scans together with it",
+                     "this is %s, a mesh without scanned points;\tread it as a mesh, and give no scans together with "
+                     "it",
                      format == ScanFormat::kStl   ? "STL"
                      : format == ScanFormat::kOff ? "OFF"
                                                   : "3MF"));

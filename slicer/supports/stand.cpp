@@ -72,7 +72,7 @@ Expected<Stand> choose_stand(const RRep& rrep, const SupportSettings& settings, 
               {Fact::kLimitMm, most_layers * layer_height}}),
         fail(ErrorCode::kDoesNotFit,
              "the object is %.2f mm high and has no flat underside, so supports lift it by %.2f mm: %.2f mm more than "
-             "the printer's %.2f mm.\tUse a smaller --scale, --fit, a smaller --support-object-elevation, or rotate it",
+             "the printer's %.2f mm.\tMake it smaller, rotate it, or have it lifted less",
              rrep.grid.layers * layer_height, lifted * layer_height,
              (rrep.grid.layers + lifted - std::min(most_layers, rrep.grid.layers + lifted)) * layer_height,
              most_layers * layer_height));

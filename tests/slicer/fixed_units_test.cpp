@@ -95,7 +95,7 @@ TEST(FixedUnits, NoSizeIsGuessedAndNoUnitAdvisedForASpeck) {
   const auto sliced = slice(source, settings_with_units(Units::kAuto), *arena, nullptr, report);
   ASSERT_FALSE(sliced);
   EXPECT_THAT(sliced.error().message(), HasSubstr("0.38 mm long"));
-  EXPECT_THAT(sliced.error().advice(), HasSubstr("--scale"));
+  EXPECT_THAT(sliced.error().advice(), HasSubstr("a scale"));
 }
 
 TEST(FixedUnits, OthersInOneFrameMustBeInMillimetresToo) {

@@ -282,7 +282,7 @@ TEST(Slice, RefusesAnObjectTooLargeForThePrinterAsSoonAsItIsRead) {
   EXPECT_EQ(large.code(), ErrorCode::kDoesNotFit);
   EXPECT_EQ(listener.last(), Stage::kRead);
   EXPECT_THAT(large.message(), HasSubstr("the object is 100.00 mm"));
-  EXPECT_THAT(large.message(), HasSubstr("Use --scale 0.5898 or less"));
+  EXPECT_THAT(large.message(), HasSubstr("Use a scale of 0.5898 or less"));
 }
 
 TEST(Slice, MeasuresATooLargeObjectWithoutThePointsThatFlyFarAway) {
@@ -302,7 +302,7 @@ TEST(Slice, RefusesMetresThatBecomeASpeckAndSaysWhichUnitToUse) {
   const Error speck = refusal(sphere(20'000, 0.1, {0, 0, 0}), settings_with_pitch(0.05F));
   EXPECT_EQ(speck.code(), ErrorCode::kNoSurface);
   EXPECT_THAT(speck.message(), HasSubstr("scan.ply: the object would be 0.2 mm long, less than 8 pixels"));
-  EXPECT_THAT(std::string(speck.advice()), HasSubstr("--units m"));
+  EXPECT_THAT(std::string(speck.advice()), HasSubstr("Check its unit"));
   // Thinned to so few cells that no point of a surface is left.
   EXPECT_THAT(refusal(sphere(20'000, 0.02, {0, 0, 0}), settings_with_pitch(0.05F)).message(),
               HasSubstr("the object would be 0.038 mm long"));

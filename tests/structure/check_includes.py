@@ -37,7 +37,7 @@ ORDER = {
     "firmware/daemon": ["stick", "upload", "service"],
     "firmware/page": ["clients"],
     "firmware/cli": ["options", "reports"],
-    "firmware": ["io", "told", "settings", "pictures", "canvas", "archive", "sample", "machine", "slice", "print", "child", "state", "screen",
+    "firmware": ["io", "messages", "settings", "pictures", "canvas", "archive", "sample", "machine", "slice", "print", "child", "state", "screen",
                  "daemon", "page", "setup", "cli"],
 }
 

@@ -20,7 +20,7 @@ GOOD = {
     "hal/sim/clock.hpp": '#include "hal/clock.hpp"\n',
     "firmware/printer.cpp": '#include "hal/clock.hpp"\n#include "firmware/cli/commands.hpp"\n#include <thread>\n',
     "firmware/pictures/png.cpp": '#include "slicer/cloud/kd_tree.hpp"\n#include <lodepng.h>\n',
-    "firmware/cli/commands.hpp": '#include "firmware/io/exit_code.hpp"\n#include "firmware/pictures/png.hpp"\n',
+    "firmware/cli/commands.hpp": '#include "firmware/messages/exit_code.hpp"\n#include "firmware/pictures/png.hpp"\n',
     "slicer/rays/deep/shooter.hpp": '#include "slicer/cloud/kd_tree.hpp"\n#include "slicer/rays/ray_grid.hpp"\n',
     "slicer/slicer.cpp": '#include "slicer/rays/ray_grid.hpp"\n#include "slicer/plan/memory_plan.hpp"\n',
     "slicer/reader/formats/ply.cpp": '#include "slicer/reader/stream/number.hpp"\n#include "slicer/core/error.hpp"\n',
@@ -89,7 +89,7 @@ class CheckIncludes(unittest.TestCase):
                          "firmware/bad.cpp:1", "firmware may not include tests")
 
     def test_pictures_include_nothing_else_of_the_firmware(self):
-        self.assert_only({"firmware/pictures/bad.cpp": '#include "firmware/io/exit_code.hpp"\n'},
+        self.assert_only({"firmware/pictures/bad.cpp": '#include "firmware/messages/exit_code.hpp"\n'},
                          "firmware/pictures/bad.cpp:1", "firmware/pictures may not include firmware;")
 
     def test_a_folder_does_not_include_a_later_one(self):

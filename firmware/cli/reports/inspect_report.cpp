@@ -7,6 +7,7 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/version.hpp"
+#include "firmware/messages/told_text.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
@@ -55,8 +56,12 @@ void add_scan(Text& text, const ScanOutlook& o) {
   const auto turned = turned_warning(o.scan.normals, o.scan.cloud_points);
   if (!turned.view().empty()) text.add("           %s\n", turned.c_str());
   if (o.scan.floor.points > 0)
-    text.add("           %s\n", floor_warning(o.scan.floor, o.unit_mm() * o.scale()).c_str());
-  if (o.scan.strays.pieces > 0) text.add("           %s\n", stray_warning(o.scan.strays).c_str());
+    text.add("           %s\n",
+             at_terminal(PrinterCode::kFloorCut, floor_warning(o.scan.floor, o.unit_mm() * o.scale()).view()).c_str());
+  if (o.scan.strays.pieces > 0)
+    text.add("           %s\n", at_terminal({PrinterCode::kPiecesLeftOut, {{Fact::kCount, o.scan.strays.pieces}}},
+                                            stray_warning(o.scan.strays).view())
+                                    .c_str());
 }
 
 /// Size and layers, whether they fit, and how long they take: the lines that `plumbline slice` prints, before slicing.
@@ -68,13 +73,14 @@ void add_print(Text& text, const ScanOutlook& o, std::string_view print_time) {
   } else {
     const Vec3d mm = o.scan.bounds.size() * o.unit_mm() * o.scale();
     text.add("size       %.2f x %.2f x %.2f mm\n", mm[0], mm[1], mm[2]);
-    text.add("fits       no: %s\n", o.scan.placement.error().message());
+    text.add("fits       no: %s\n", at_terminal(o.scan.placement.error()).c_str());
   }
   if (o.largest_scale)
     text.add("%s up to scale %.4g\n", o.scan.placement ? "fits       yes," : "          ", *o.largest_scale);
   const double longest = o.scan.bounds.size().maxCoeff();
   if (o.scan.ignored_units) {
-    text.add("units      %s\n", ignored_units_warning(*o.scan.ignored_units).c_str());
+    text.add("units      %s\n",
+             at_terminal(PrinterCode::kUnitsIgnored, ignored_units_warning(*o.scan.ignored_units).view()).c_str());
   } else if (o.placement.units == Units::kAuto && !o.placement.size) {
     text.add(
         "units      %s, a guess: the scan is %.4g units long, so it is %.4g mm. Give --units or --height to be sure\n",
@@ -92,14 +98,14 @@ void add_coverage(Text& text, const ScanOutlook& o) {
     text.add("proven     %s\n", proven_text(o.scan.coarse.proof).c_str());
     text.add("scanned    %s\n", scanned_text(Unseen::of(o.coverage->shares)).c_str());
   } else {
-    text.add("scanned    unknown: %s\n", o.scan.sliced.error().message());
+    text.add("scanned    unknown: %s\n", at_terminal(o.scan.sliced.error()).c_str());
   }
   if (o.scan.turned) {
     text.add("turned     to its best orientation: --rotate-x %.4g --rotate-y %.4g\n", o.scan.turned->degrees[0],
              o.scan.turned->degrees[1]);
   }
   if (lies_on_its_face(o.scan.clustering)) {
-    text.add("           %s\n", kOnItsFaceText);
+    text.add("           %s\n", at_terminal(PrinterCode::kOnItsFace, kOnItsFaceText).c_str());
   } else if (o.scan.upright) {
     text.add("           %s\n", lies_wrong_sentence(o.scan.upright->degrees[0], o.scan.upright->degrees[1]).c_str());
   }
@@ -226,7 +232,7 @@ void write_fit(JsonWriter& json, const ScanOutlook& o) {
     json.null();
   }
   json.member("fits", o.scan.placement.has_value());
-  if (!o.scan.placement) json.member("fits_not_because", o.scan.placement.error().message());
+  if (!o.scan.placement) json.member("fits_not_because", at_terminal(o.scan.placement.error()).view());
   json.key("largest_scale");
   if (o.largest_scale) {
     json.value(*o.largest_scale);

@@ -5,10 +5,10 @@
 #include <optional>
 #include <span>
 
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_length.hpp"
 #include "firmware/settings/print_values.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 
 namespace plumbline {

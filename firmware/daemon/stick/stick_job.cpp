@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "firmware/io/scan_names.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_length.hpp"
 #include "firmware/settings/settings_file.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {

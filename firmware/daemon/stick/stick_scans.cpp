@@ -7,7 +7,7 @@
 #include "firmware/daemon/stick/folder_listing.hpp"
 #include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/io/scan_names.hpp"
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {

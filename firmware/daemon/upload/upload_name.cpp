@@ -4,7 +4,7 @@
 #include <string>
 
 #include "firmware/daemon/stick/stick_scans.hpp"
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/reader/formats/foreign_formats.hpp"
 

@@ -10,8 +10,8 @@
 #include <memory>
 #include <utility>
 
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/print/store/job_store.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "slicer/core/numbers/mib.hpp"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "firmware/daemon/upload/upload_name.hpp"
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 
 namespace plumbline {
 namespace {

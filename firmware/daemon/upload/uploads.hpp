@@ -9,9 +9,9 @@
 #include "firmware/daemon/upload/upload_port.hpp"
 #include "firmware/daemon/upload/upload_store.hpp"
 #include "firmware/io/descriptor.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/printer_record.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

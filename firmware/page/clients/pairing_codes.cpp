@@ -4,8 +4,8 @@
 #include <cstring>
 #include <tuple>
 
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/page/clients/paired_browsers.hpp"
-#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,10 +1,10 @@
 // Shows the printer's state, which comes as server-sent events, and sends commands. No library, nothing from elsewhere.
 "use strict";
 
-const words = texts[navigator.language.startsWith("de") ? "de" : "en"];
+const language = Object.keys(texts).find((code) => navigator.language.startsWith(code)) || "en";
+const words = texts[language], said = printerTexts[language];
 const $ = (id) => document.getElementById(id);
 let state = null;
-let said = null;  // the printer's texts in the browser's language; null: it says them in English itself
 let access = {page: "local", paired: false};
 
 // --- Small tools
@@ -36,9 +36,9 @@ function duration(seconds) {
 
 // --- What the printer tells: a code with its values, and beside it an English sentence
 
-// As firmware/told/told_words.hpp has it: {area_mm2} is a value, {count?Insel|Inseln} chooses, [ ] is left out if a value of it is not told.
+// As firmware/messages/catalogue.hpp has it: {area_mm2} is a value, {count?Insel|Inseln} chooses, [ ] is left out if a value of it is not told.
 function fact(name, value) {
-  const digits = said.digits[name] || 0;
+  const digits = factDigits[name] || 0;
   if (digits >= 0) return number(value, digits);
   return Math.abs(value) >= 10 ** (-digits - 1) ? number(value, 0) : value.toLocaleString(words.locale, {maximumSignificantDigits: -digits});
 }
@@ -52,7 +52,7 @@ function filledIn(pattern, told) {
 }
 // The sentence and the remedy; null: there are none but the English sentence.
 function inWords(told) {
-  const texts = said && told && said.told[told.code];
+  const texts = told && said.told[told.code];
   return texts ? texts.map((text) => filledIn(text, told)) : null;
 }
 function worded(told, english) {
@@ -298,12 +298,12 @@ function showNow() {
   show("question", Boolean(state.question), worded(state.question_told, state.question || ""));
   show("answers", Boolean(state.question) && state.commands.includes("resume"), words.answers);  // the printer speaks of its own buttons
   // A message without a code says what title, hint and facts say, too.
-  const message = state.message_told && (!said || inWords(state.message_told)) ? worded(state.message_told, state.message || "") : "";
+  const message = state.message_told && (language === "en" || inWords(state.message_told)) ? worded(state.message_told, state.message || "") : "";
   show("message", message !== "" && !state.fault, message);
   const fault = state.fault;
   $("fault").hidden = !fault;
   if (fault) {
-    const known = said && said.faults[fault.code], texts = inWords(fault.told);
+    const known = language !== "en" && said.faults[fault.code], texts = inWords(fault.told);
     show("fault-title", true, `${fault.code}: ${known ? known.title : fault.title}`);
     const told = texts ? texts[0] : known ? "" : fault.message || "";
     show("fault-told", told !== "", told);
@@ -640,10 +640,10 @@ function showContract() {
       cell.append(element("span", undefined, {id}));
     }
     cell.append(` ${unit}`);
-    const name = said && said.fields[key] || key.replaceAll("_", " ");
+    const name = said.fields[key];
     const head = element("th", undefined, {scope: "row"});
     head.append(canChange && mayChange ? element("label", name, {for: id}) : name);
-    row.append(head, cell, element("td", said && said.sources[source] || words.sources[source]));
+    row.append(head, cell, element("td", said.sources[source]));
     return row;
   }));
   for (const {key, value} of values) {
@@ -777,15 +777,7 @@ function sayWords() {
   $("progress").setAttribute("aria-label", words.printing);
 }
 
-// What the printer tells has a table of texts in each language but English.
-async function fetchTexts() {
-  const answer = await fetch("/texts.de.json");
-  if (answer.ok) said = await answer.json();
-  if (state) render();
-}
-
 setInterval(() => { if (state && state.progress && state.progress.ends_at && !state.simulated) showNow(); }, 1000);
 sayWords();
-if (words === texts.de) fetchTexts().catch(() => {});
 lookAtAccess().catch(() => {});
 listen();

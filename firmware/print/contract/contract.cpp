@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "firmware/io/text/json_writer.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/slice/proof_report.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "hal/uv_lamp.hpp"
 #include "slicer/core/words/plural.hpp"
 #include "slicer/core/words/printable_text.hpp"

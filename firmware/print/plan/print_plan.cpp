@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "firmware/io/text/fixed_text.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/print/plan/plan_check.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "hal/ramp.hpp"
 #include "hal/z_stage.hpp"
 #include "slicer/core/words/printable_text.hpp"

@@ -5,101 +5,8 @@
 #include <cctype>
 
 namespace plumbline {
-namespace {
-
-constexpr std::array kFaults{
-    FaultInfo{FaultCode::kScanUnreadable, "scan can't be read", "The file can't be opened, or its medium failed.",
-              "Check the name and the medium, or copy the scan again."},
-    FaultInfo{FaultCode::kNotAScan, "not a scan", "The file is damaged, or of a kind that plumbline does not read.",
-              "Export it again: a scan as PLY, PCD, OBJ or XYZ, a mesh as STL, OBJ, PLY, OFF or 3MF."},
-    FaultInfo{FaultCode::kNothingToPrint, "nothing to print",
-              "The scan has no points, no surface, or nothing that stands on the plate.",
-              "Look at the scan in the scanner's program, then export it with its points."},
-    FaultInfo{FaultCode::kOutOfMemory, "does not fit into memory", "The job needs more than the printer's arena.",
-              "Print the object smaller, or with thicker layers."},
-    FaultInfo{FaultCode::kDoesNotFit, "does not fit the printer", "The object is larger than the plate or the travel.",
-              "Scale the object down, or turn it."},
-    FaultInfo{FaultCode::kBadSetting, "wrong setting", "A key of a board file, a profile or job.toml is wrong.",
-              "Correct the line that the message names."},
-    FaultInfo{FaultCode::kStickGone, "stick pulled", "The stick was pulled while the scan was being read.",
-              "Plug the stick in again; the job starts from the beginning."},
-    FaultInfo{FaultCode::kNoStick, "no stick", "There is no stick in the port.", "Plug a stick in."},
-    FaultInfo{FaultCode::kStickUnreadable, "stick can't be read", "The stick has no file system that can be read.",
-              "Format the stick as FAT32 or exFAT, then copy the scan again."},
-    FaultInfo{FaultCode::kCannotWrite, "journal can't be written", "The printer's own storage is full or fails.",
-              "Make room or replace the storage. Without a journal a power cut ends a print for good."},
-    FaultInfo{FaultCode::kIssueFound, "issue in the layers",
-              "The layers have something that the profile refuses to print.",
-              "Turn the object or add supports, or change [checks] in the profile."},
-    FaultInfo{FaultCode::kJournalDamaged, "journal damaged",
-              "What was stored of an interrupted print is damaged, so that print can't be resumed.",
-              "Take the part off the plate, then start the print again."},
-    FaultInfo{FaultCode::kJournalOfAnother, "journal of another printer",
-              "The interrupted print was made with another board file or by another version of plumbline.",
-              "Resume with the board file and version of that print, or take the part off the plate and start again."},
-    FaultInfo{FaultCode::kFlipTimeout, "panel did not take a mask", "The panel took too long to show a mask.",
-              "Check the panel's cable, then resume."},
-    FaultInfo{FaultCode::kPanelFailed, "panel does not answer", "No mask can be shown.",
-              "Check the panel's cable, then resume."},
-    FaultInfo{FaultCode::kPanelSize, "wrong panel", "The panel has another number of pixels than the board file says.",
-              "Use the board file of this printer."},
-    FaultInfo{FaultCode::kLampStuckOn, "lamp stuck on", "There is light although the lamp was turned off.",
-              "Pull the plug now, then have the lamp's driver replaced."},
-    FaultInfo{FaultCode::kLampDead, "lamp dead", "There is no light although the lamp was turned on.",
-              "Check the lamp, its cable and its fuse, then resume."},
-    FaultInfo{
-        FaultCode::kLampKeeper, "lamp not guarded",
-        "The keeper, which turns the lamp off in time, failed or did not answer. The lamp stayed dark or was turned "
-        "off.",
-        "Resume. If it happens again, switch the printer off and on."},
-    FaultInfo{FaultCode::kExposureTooLong, "exposure too long",
-              "The profile exposes for longer than the lamp may be lit.",
-              "Lower exposure_time or initial_exposure_time."},
-    FaultInfo{FaultCode::kDoseOff, "dose off", "The lamp gave over 5 % more or less light than asked for.",
-              "Have the lamp measured, correct power_mw_cm2, then resume."},
-    FaultInfo{FaultCode::kTooLittleLight, "too little light",
-              "At this exposure the resin would not cure through a whole layer.",
-              "Raise exposure_time, or use the profile of this resin."},
-    FaultInfo{FaultCode::kEndStopNotFound, "end stop not found",
-              "Homing travelled the whole way without meeting the end stop.",
-              "Check the end stop's switch and cable, then resume."},
-    FaultInfo{FaultCode::kEndStopStuck, "end stop stuck", "The end stop is pressed where it can't be.",
-              "Free the end stop's switch, then resume."},
-    FaultInfo{FaultCode::kStageStalled, "stage stalled", "The motor could not follow.",
-              "Look for what blocks the Z stage, then resume."},
-    FaultInfo{FaultCode::kOutsideTravel, "outside the travel", "A height was asked for that the Z stage can't reach.",
-              "Make the object lower, or correct the board file."},
-    FaultInfo{FaultCode::kStepsLost, "steps lost", "The Z stage was not where its steps said.",
-              "Look for what blocks the Z stage, and look at the part for a step."},
-    FaultInfo{FaultCode::kCoverOpen, "cover open", "The cover was open when the print was to start.",
-              "Close the cover, then start again."},
-    FaultInfo{FaultCode::kSensorDead, "sensor dead", "A temperature sensor does not answer, or says what can't be.",
-              "Check the sensor's plug, then resume."},
-    FaultInfo{FaultCode::kLampTooHot, "lamp too hot", "The lamp is above its limit.",
-              "Check that its fan turns. The print goes on by itself when the lamp is cool."},
-    FaultInfo{FaultCode::kResinTooCold, "resin too cold", "Cold resin is thick and cures too little.",
-              "Warm the room or the resin. The print goes on by itself."},
-    FaultInfo{FaultCode::kResinTooWarm, "resin too warm", "Warm resin cures too deep.",
-              "Let the resin cool. The print goes on by itself."},
-    FaultInfo{FaultCode::kFanStalled, "fan stalled", "The lamp's fan is on and does not turn.",
-              "Clean or replace the fan. The print goes on by itself when it turns."},
-    FaultInfo{FaultCode::kBoardTooHot, "board too hot", "The printer's processor is above its limit.",
-              "Let air to it. The print goes on by itself when it is cool."},
-    FaultInfo{FaultCode::kChamberFanStalled, "chamber fan stalled",
-              "The fan that extracts the vapour is on and does not turn.",
-              "Clean or replace the fan. The print goes on by itself when it turns."},
-    FaultInfo{FaultCode::kPowerLost, "power lost", "The supply failed.", "Switch the printer on, then resume."},
-    FaultInfo{FaultCode::kDeviceTimeout, "device does not answer", "A device did not finish what it had begun.",
-              "Switch the printer off and on, then resume."},
-    FaultInfo{FaultCode::kFirmware, "mistake in the firmware",
-              "The firmware asked a device for something that is not allowed, and was refused.",
-              "Resume, and report the message to plumbline's maintainers."},
-};
-
-}  // namespace
-
 FaultText explain(FaultCode code, std::string_view finding, std::string_view advice) {
-  const FaultInfo& fault = info(code);
+  const FaultWords& fault = info(code);
   FaultText text;
   text.what.add("PL-%u, %.*s%s%.*s", static_cast<unsigned>(code), static_cast<int>(fault.title.size()),
                 fault.title.data(), finding.empty() ? "" : ": ", static_cast<int>(finding.size()), finding.data());
@@ -110,12 +17,12 @@ FaultText explain(FaultCode code, std::string_view finding, std::string_view adv
   return text;
 }
 
-std::span<const FaultInfo> all_faults() { return kFaults; }
-
-const FaultInfo& info(FaultCode code) {
-  const auto* const found =
-      std::find_if(kFaults.begin(), kFaults.end(), [code](const FaultInfo& fault) { return fault.code == code; });
-  assert(found != kFaults.end());
+const FaultWords& info(FaultCode code, Language language) {
+  const auto faults = fault_words(language);
+  const auto found = std::find_if(faults.begin(), faults.end(), [code](const FaultWords& fault) {
+    return fault.number == static_cast<std::uint16_t>(code);
+  });
+  assert(found != faults.end());
   return *found;
 }
 

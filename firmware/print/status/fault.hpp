@@ -1,12 +1,11 @@
 #pragma once
 /// Faults as users meet them: a stable code, what it means, what to do next. firmware/README.md has the table.
 
-#include <array>
 #include <cstdint>
-#include <span>
 #include <string_view>
 
 #include "firmware/io/text/fixed_text.hpp"
+#include "firmware/messages/catalogue.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
@@ -54,18 +53,8 @@ enum class FaultCode : std::uint16_t {
   kFirmware = 903,
 };
 
-struct FaultInfo {
-  FaultCode code;
-  std::string_view title;    ///< "lamp stuck on"
-  std::string_view meaning;  ///< a sentence
-  std::string_view next;     ///< what the user does
-};
-
-/// All faults, by code.
-std::span<const FaultInfo> all_faults();
-
 /// @param code  not kNone
-const FaultInfo& info(FaultCode code);
+const FaultWords& info(FaultCode code, Language language = Language::kEnglish);
 
 /// A fault as text for people.
 struct FaultText {

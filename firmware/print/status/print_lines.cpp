@@ -6,7 +6,7 @@
 
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/progress_lines.hpp"
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 
 namespace plumbline {
 namespace {

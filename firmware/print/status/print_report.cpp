@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "slicer/core/numbers/median.hpp"
 #include "slicer/core/words/plural.hpp"
 

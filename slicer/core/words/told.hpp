@@ -17,6 +17,7 @@ enum class ToldCode : std::uint16_t {
   kTooDeep,
   kTooHigh,
   kTooHighOnSupports,
+  kTooManyPixels,
   kTooManySupports,
   kMemoryNeeded,
   kTooSmall,
@@ -28,6 +29,7 @@ enum class ToldCode : std::uint16_t {
   kMeshChanged,
   kNotPoints,
   kNoFaces,
+  kFacesBroken,
   kLaz,
   kSplatsCompressed,
   kColumnsUnclear,
@@ -80,8 +82,10 @@ enum class Fact : std::uint8_t {
   kNeededMib,
   kAvailableMib,
   kNoiseMm,
+  kMostScale,  ///< what would fit, as is kMostMm
+  kMostMm,
 };
-inline constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::kNoiseMm) + 1;
+inline constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::kMostMm) + 1;
 
 /// Whether `Own` is ToldCode or Fact (`Base`), or an enum of the same type that goes on where that one ends.
 template <class Own, class Base>

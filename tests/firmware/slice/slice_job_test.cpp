@@ -302,7 +302,7 @@ TEST(JobWarnings, SayThatAUnitWasIgnoredAndAdviseNoneForAnE57) {
   const auto lines = report->warnings.all();
   ASSERT_GE(lines.size(), 2U);
   EXPECT_THAT(lines[0].c_str(), HasSubstr("the unit cm was ignored: the file says its own (E57 in metres"));
-  EXPECT_THAT(lines[1].c_str(), HasSubstr("only 4 mm long. If that is wrong, use --scale, or give a size"));
+  EXPECT_THAT(lines[1].c_str(), HasSubstr("only 4 mm long. If that is wrong, give a size: --height 80mm, or --scale."));
   for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
 }
 

@@ -8,7 +8,7 @@
 
 #include "firmware/io/text/json_cursor.hpp"
 #include "firmware/io/wall_clock.hpp"
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {

@@ -181,7 +181,7 @@ TEST(SliceMesh, WhatDoesNotFitIsRefusedBeforeItIsReadAgain) {
   EXPECT_EQ(refused.error().code(), ErrorCode::kOutOfMemory);
   EXPECT_THAT(refused.error().message(), HasSubstr("arena of 6.0 MiB: stage '"));
   EXPECT_THAT(refused.error().message(), HasSubstr("2880000 crossings"));
-  EXPECT_THAT(refused.error().message(), HasSubstr("--arena-mib"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("a larger arena"));
   EXPECT_EQ(source.rewound, 3);  // to be rewound at all, after the look at its head, and before the survey
   EXPECT_EQ(arena->used(), 0U);
 }
@@ -274,7 +274,7 @@ TEST(SliceMesh, OneWrongFaceIsAnErrorAndNoScan) {
     const auto sliced = slice(broken, settings, *arena, nullptr, report);
     ASSERT_FALSE(sliced) << text;
     EXPECT_EQ(sliced.error().code(), code) << sliced.error().message();
-    EXPECT_THAT(sliced.error().message(), AllOf(HasSubstr(text), HasSubstr("or use --as points")));
+    EXPECT_THAT(sliced.error().message(), AllOf(HasSubstr(text), HasSubstr("or read it as points")));
     settings.as = ReadAs::kPoints;
     MemorySource again(bytes, name);
     EXPECT_TRUE(slice(again, settings, *arena, nullptr, report)) << text;
@@ -289,13 +289,13 @@ TEST(SliceMesh, WhatHasNoFacesIsNoMesh) {
   MemorySource points("0 0 0\n1 1 1\n", "a.xyz");
   const auto no_faces = slice(points, settings, *arena, nullptr, report);
   ASSERT_FALSE(no_faces);
-  EXPECT_THAT(no_faces.error().message(), HasSubstr("a.xyz: the file has points but no faces; use --as points"));
+  EXPECT_THAT(no_faces.error().message(), HasSubstr("a.xyz: the file has points but no faces; read it as points"));
   settings.as = ReadAs::kPoints;
   const std::string stl = binary_stl(box_mesh({0, 0, 0}, {1, 1, 1}));
   MemorySource mesh(stl, "a.stl");
   const auto no_points = slice(mesh, settings, *arena, nullptr, report);
   ASSERT_FALSE(no_points);
-  EXPECT_THAT(no_points.error().message(), HasSubstr("leave out --as points"));
+  EXPECT_THAT(no_points.error().message(), HasSubstr("read it as a mesh"));
 }
 
 TEST(SliceMesh, IsMeasuredAnewWhenItHasBeenTurnedTheBestWayUp) {

@@ -104,9 +104,9 @@ TEST(Placement, SaysWhichSizeFits) {
   const auto refused = place(box, 1, settings);
   ASSERT_FALSE(refused.has_value());
   const std::string message = refused.error().message();
-  const auto at = message.find("--height ");
+  const auto at = message.find("a height of ");
   ASSERT_NE(at, std::string::npos) << message;
-  settings.size->mm = std::strtod(message.c_str() + at + 9, nullptr);
+  settings.size->mm = std::strtod(message.c_str() + at + 12, nullptr);
   EXPECT_TRUE(place(box, 1, settings).has_value()) << message;
   settings.size->mm *= 1.01;
   EXPECT_FALSE(place(box, 1, settings).has_value()) << message;
@@ -177,7 +177,7 @@ void expect_the_scale_of_the_message_to_fit(const Box3d& bounds, double unit_mm,
   const auto refused = place(bounds, unit_mm, settings);
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code(), ErrorCode::kDoesNotFit);
-  const double scale = number_after("--scale ", refused.error().message());
+  const double scale = number_after("a scale of ", refused.error().message());
   ASSERT_GT(scale, 0) << refused.error().message();
   settings.scale = scale;
   ASSERT_TRUE(place(bounds, unit_mm, settings).has_value()) << refused.error().message();

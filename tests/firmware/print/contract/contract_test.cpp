@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "firmware/messages/printer_code.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "firmware/settings/print_values.hpp"
-#include "firmware/told/printer_code.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {

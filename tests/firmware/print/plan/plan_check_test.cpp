@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 
 namespace plumbline {
 namespace {

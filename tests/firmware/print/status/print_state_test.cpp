@@ -117,17 +117,17 @@ TEST(PrintState, AScanIsSlicedOnlyAfterItWasOfferedAndTaken) {
 TEST(PrintState, CoverMayBeOpenedToPourInResin) { EXPECT_EQ(next(kFeedMe, kCoverOpened), kFeedMe); }
 
 TEST(Fault, CodesAreSortedAndUniqueAndTextsAreSentences) {
-  const auto faults = all_faults();
+  const auto faults = fault_words(Language::kEnglish);
   EXPECT_TRUE(std::is_sorted(faults.begin(), faults.end(),
-                             [](const FaultInfo& a, const FaultInfo& b) { return a.code < b.code; }));
+                             [](const FaultWords& a, const FaultWords& b) { return a.number < b.number; }));
   for (std::size_t i = 0; i < faults.size(); ++i) {
     if (i > 0) {
-      EXPECT_NE(faults[i].code, faults[i - 1].code);
+      EXPECT_NE(faults[i].number, faults[i - 1].number);
     }
     EXPECT_FALSE(faults[i].title.empty());
     EXPECT_TRUE(faults[i].meaning.ends_with('.')) << faults[i].meaning;
     EXPECT_TRUE(faults[i].next.ends_with('.')) << faults[i].next;
-    EXPECT_EQ(info(faults[i].code).title, faults[i].title);
+    EXPECT_EQ(info(static_cast<FaultCode>(faults[i].number)).title, faults[i].title);
   }
 }
 
@@ -136,9 +136,9 @@ TEST(Fault, TableHasTheFaultOfEveryError) {
   for (std::uint16_t number = 1; number < 1000; ++number) {
     const auto code = static_cast<ErrorCode>(number);
     if (to_string(code) == "Unknown") continue;
-    const auto faults = all_faults();
-    EXPECT_TRUE(std::any_of(faults.begin(), faults.end(), [code](const FaultInfo& fault) {
-      return fault.code == fault_of(code);
+    const auto faults = fault_words(Language::kEnglish);
+    EXPECT_TRUE(std::any_of(faults.begin(), faults.end(), [code](const FaultWords& fault) {
+      return fault.number == static_cast<std::uint16_t>(fault_of(code));
     })) << to_string(code);
     ++errors;
   }
@@ -166,8 +166,8 @@ TEST(Fault, TableInTheReadmeIsThisTable) {
   std::stringstream text;
   text << file.rdbuf();
   std::string rows;
-  for (const auto& fault : all_faults()) {
-    rows += "| PL-" + std::to_string(static_cast<int>(fault.code)) + " | " + std::string(fault.title) + " | " +
+  for (const FaultWords& fault : fault_words(Language::kEnglish)) {
+    rows += "| PL-" + std::to_string(fault.number) + " | " + std::string(fault.title) + " | " +
             std::string(fault.meaning) + " | " + std::string(fault.next) + " |\n";
   }
   EXPECT_THAT(text.str(), HasSubstr(rows)) << "firmware/README.md lacks these rows, in this order:\n" << rows;

@@ -1,4 +1,4 @@
-#include "firmware/told/printer_code.hpp"
+#include "firmware/messages/printer_code.hpp"
 
 #include <array>
 #include <cmath>
@@ -31,11 +31,13 @@ constexpr std::array<FactFormat, kAllFacts> kFormats = {{
     {"cell_mm", -3},
     {"pixel_mm", -3},
     {"floor", -5},
-    {"turn_x_deg"},
-    {"turn_y_deg"},
+    {"turn_x_deg", -4},
+    {"turn_y_deg", -4},
     {"needed_mib", 1},
     {"available_mib", 1},
     {"noise_mm", -2},
+    {"most_scale", -4},
+    {"most_mm", -4},
     {"off_mm", 3},
     {"cure_mm", 3},
     {"columns"},

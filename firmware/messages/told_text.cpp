@@ -1,11 +1,11 @@
-#include "firmware/told/told_text.hpp"
+#include "firmware/messages/told_text.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 
-#include "firmware/told/told_words.hpp"
+#include "firmware/messages/catalogue.hpp"
 
 namespace plumbline {
 namespace {
@@ -17,7 +17,7 @@ FixedText<40> number_text(const FactFormat& format, double value, Language langu
   std::array<char, 40> raw{};
   std::snprintf(raw.data(), raw.size(), digits > 0 && !rounded ? "%.*g" : "%.*f",
                 rounded ? 0 : std::abs(format.decimals), value);
-  if (language == Language::kGerman) std::replace(raw.begin(), raw.end(), '.', ',');
+  std::replace(raw.begin(), raw.end(), '.', decimal_point(language));
   text.add("%s", raw.data());
   return text;
 }
@@ -80,6 +80,13 @@ class Filling {
   ToldText text_;
 };
 
+Advised advised(std::string_view sentence, std::string_view remedy, const Told& told) {
+  Advised text;
+  text.add("%.*s", static_cast<int>(sentence.size()), sentence.data());
+  if (!remedy.empty()) text.add(". %s", filled_in(remedy, told, Language::kEnglish).c_str());
+  return text;
+}
+
 }  // namespace
 
 ToldText filled_in(std::string_view pattern, const Told& told, Language language) {
@@ -101,6 +108,19 @@ ToldText worded(const Told& told, Language language, std::string_view english) {
   filling.add(". ");
   filling.add(words->remedy);
   return filling.text();
+}
+
+Advised at_terminal(const Told& told, std::string_view sentence) {
+  return advised(sentence, english_remedies(told.code).terminal, told);
+}
+
+Advised at_printer(const Told& told, std::string_view sentence) {
+  return advised(sentence, english_remedies(told.code).remedy, told);
+}
+
+Advised at_terminal(const Error& error) {
+  const bool known = !english_remedies(error.told().code).terminal.empty();
+  return at_terminal(error.told(), known ? error.finding() : error.message());
 }
 
 }  // namespace plumbline

@@ -1,5 +1,3 @@
-#include "firmware/told/told_words.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "firmware/messages/catalogue.hpp"
+#include "firmware/messages/told_text.hpp"
 #include "firmware/print/status/fault.hpp"
-#include "firmware/screen/fault_words.hpp"
 #include "firmware/slice/issue_report.hpp"
-#include "firmware/told/told_text.hpp"
 #include "slicer/checks/issue.hpp"
 
 namespace plumbline {
@@ -59,10 +57,33 @@ TEST(ToldWords, EachCodeHasAGermanTextWithPlacesThatThereAre) {
   }
 }
 
+// At a terminal there are options, at the printer there are settings and a job file.
+TEST(ToldWords, WhatToDoIsSaidInWordsOfTheOneWhoReads) {
+  const Told by_scale(ToldCode::kTooHigh, {{Fact::kMostScale, 0.32}});
+  EXPECT_EQ(at_terminal(by_scale, "It is too high").view(),
+            "It is too high. Use --scale 0.32 or less, --fit, or rotate it.");
+  EXPECT_EQ(at_printer(by_scale, "It is too high").view(),
+            "It is too high. Under Settings, tilt it or print it smaller.");
+  const Told by_size(ToldCode::kTooHigh, {{Fact::kMostMm, 61.5}}, "height");
+  EXPECT_EQ(at_terminal(by_size, "It is too high").view(),
+            "It is too high. Use --height 61.5mm or less, --fit, or rotate it.");
+  EXPECT_EQ(at_printer(ToldCode::kLaz, "It is LAZ").view(), "It is LAZ");
+  const auto error = telling(ToldCode::kNoFaces, fail(ErrorCode::kUnsupported, "a.ply: no faces;\tread it as points"));
+  EXPECT_EQ(at_terminal(error.value()).view(), "a.ply: no faces. Use --as points.");
+  const auto plain = fail(ErrorCode::kUnsupported, "a.ply: no faces;\tread it as points");
+  EXPECT_EQ(at_terminal(plain.value()).view(), "a.ply: no faces; read it as points");
+  for (const ToldCode code : all_codes()) {
+    const ToldWords& english = english_remedies(code);
+    EXPECT_THAT(std::string(english.remedy), Not(HasSubstr("--"))) << to_string(code);
+    EXPECT_TRUE(english.terminal.empty() || english.terminal.ends_with('.')) << to_string(code);
+  }
+}
+
 TEST(ToldWords, EachFaultHasAGermanMeaning) {
-  for (const FaultInfo& fault : all_faults()) {
-    EXPECT_TRUE(fault_words(fault.code, Language::kGerman).meaning.ends_with('.')) << fault.title;
-    EXPECT_NE(fault_words(fault.code, Language::kGerman).meaning, fault.meaning);
+  for (const FaultWords& fault : fault_words(Language::kEnglish)) {
+    const FaultWords& german = info(static_cast<FaultCode>(fault.number), Language::kGerman);
+    EXPECT_TRUE(german.meaning.ends_with('.')) << fault.title;
+    EXPECT_NE(german.meaning, fault.meaning);
   }
 }
 

@@ -1,13 +1,13 @@
-#include "firmware/io/exit_code.hpp"
+#include "firmware/messages/exit_code.hpp"
 
 #include "firmware/io/progress_lines.hpp"
-#include "firmware/io/text/fixed_text.hpp"
+#include "firmware/messages/told_text.hpp"
 
 namespace plumbline {
 
 ExitCode report_error(const Error& error) {
-  FixedText<Error::kCapacity + 32> line;
-  line.add("plumbline: %s", error.message());
+  FixedText<1032> line;
+  line.add("plumbline: %s", at_terminal(error).c_str());
   write_line(line.view());
   return error.code() == ErrorCode::kCancelled ? ExitCode::kInterrupted : ExitCode::kWorldError;
 }
