@@ -8,23 +8,9 @@ namespace {
 
 constexpr std::string_view kEllipsis = "…";
 
-/// The longest start of a text that is not wider than `width`.
-std::string_view start_of(std::string_view text, int width, const Face& face) {
-  std::string_view rest = text;
-  int used = 0;
-  while (!rest.empty()) {
-    std::string_view after = rest;
-    take_character(after);
-    used += face.width(rest.substr(0, rest.size() - after.size()));
-    if (used > width) break;
-    rest = after;
-  }
-  return text.substr(0, text.size() - rest.size());
-}
-
 /// Takes the next line off a text.
 std::string_view take_line(std::string_view& text, int width, const Face& face) {
-  std::string_view line = start_of(text, width, face);
+  std::string_view line = face.start_of(text, width);
   if (line.size() < text.size() && text[line.size()] != ' ') {
     // A word is cut: it goes to the next line, unless it is the only one.
     if (const auto space = line.rfind(' '); space != std::string_view::npos) line = line.substr(0, space);
@@ -44,7 +30,7 @@ std::string_view take_line(std::string_view& text, int width, const Face& face) 
 
 int Page::line(const PixelBox& box, std::string_view text, const TextStyle& style) {
   const bool cut = style.face.width(text) > box.width;
-  const std::string_view shown = cut ? start_of(text, box.width - style.face.width(kEllipsis), style.face) : text;
+  const std::string_view shown = cut ? style.face.start_of(text, box.width - style.face.width(kEllipsis)) : text;
   const int width = style.face.width(shown) + (cut ? style.face.width(kEllipsis) : 0);
   int x = box.x;
   if (style.align == Align::kCentre) x += (box.width - width) / 2;
@@ -61,7 +47,7 @@ int Page::paragraph(const PixelBox& box, std::string_view text, const TextStyle&
   for (int i = 0; i < room && !text.empty(); ++i, y += step) {
     std::string_view shown = take_line(text, box.width, style.face);
     const bool last = i + 1 == room && !text.empty();
-    if (last) shown = start_of(shown, box.width - style.face.width(kEllipsis), style.face);
+    if (last) shown = style.face.start_of(shown, box.width - style.face.width(kEllipsis));
     int x = box.x;
     const int width = style.face.width(shown) + (last ? style.face.width(kEllipsis) : 0);
     if (style.align == Align::kCentre) x += (box.width - width) / 2;

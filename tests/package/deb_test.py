@@ -62,7 +62,7 @@ class Deb(unittest.TestCase):
         expected = {f"usr/bin/{program}" for program in PROGRAMS}
         expected |= {f"usr/lib/systemd/system/{unit}.service" for unit in ("plumblined", "plumbline-mount", "plumbline-awake", "plumbline-page")}
         expected |= {"usr/lib/udev/rules.d/60-plumbline.rules"}
-        expected |= {"usr/share/doc/plumbline/copyright", "usr/share/plumbline/board/README.md"}
+        expected |= {f"usr/share/doc/plumbline/{name}" for name in ("copyright", "LICENSE.font")} | {"usr/share/plumbline/board/README.md"}
         expected |= {f"usr/share/plumbline/board/{path.relative_to(board)}" for path in board.rglob("*.toml")}
         self.assertEqual(files, expected)
 

@@ -19,7 +19,7 @@ MAY_INCLUDE = {
     # One file for each back end of the HAL may include it: see COMPOSITION.
     "firmware": {"slicer/core", "slicer", "hal", "firmware/pictures", "firmware/canvas"},
     "firmware/canvas": {"slicer/core"},
-    "firmware/pictures": {"slicer/core", "slicer"},
+    "firmware/pictures": {"slicer/core", "slicer", "firmware/canvas"},
     "tests": {"slicer/core", "slicer", "hal", "hal/linux", "hal/sim", "firmware", "firmware/canvas", "firmware/pictures"},
 }
 
@@ -37,7 +37,7 @@ ORDER = {
     "firmware/daemon": ["stick", "upload", "service"],
     "firmware/page": ["clients"],
     "firmware/cli": ["options", "reports"],
-    "firmware": ["io", "messages", "settings", "pictures", "canvas", "archive", "sample", "machine", "slice", "print", "child", "state", "screen",
+    "firmware": ["io", "messages", "settings", "canvas", "pictures", "archive", "sample", "machine", "slice", "print", "child", "state", "screen",
                  "daemon", "page", "setup", "cli"],
 }
 
@@ -56,6 +56,7 @@ ONE_SOURCE_FILE = {
     "lodepng.h": "at most",
     "libdeflate.h": "at most",
     "spng.h": "at most",
+    "freetype/freetype.h": "at most",
     "minizip/zip.h": "at most",
     "minizip/unzip.h": "at most",
     "toml++/toml.h": "at most",

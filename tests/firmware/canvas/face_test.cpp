@@ -3,82 +3,77 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
-
-#include "firmware/canvas/glyph_raster.hpp"
 
 namespace plumbline {
 namespace {
 
-const GlyphOutline& glyph_of(const FontOutlines& font, std::uint16_t code) {
-  for (const GlyphOutline& glyph : font.glyphs) {
-    if (glyph.code == code) return glyph;
-  }
-  ADD_FAILURE() << code;
-  return font.glyphs.front();
-}
+/// What a face covers of a text: from 0 to 255, a row after another; (kLeft, kBaseline) is where the text starts.
+struct Inked {
+  static constexpr int kColumns = 300, kRows = 300, kLeft = 60, kBaseline = 200;
 
-/// The area of an outline by the shoelace formula, curves in a thousand pieces: font units squared.
-double area_of(const FontOutlines& font, const GlyphOutline& glyph) {
-  double twice = 0;
-  const auto points = font.points.subspan(glyph.first, glyph.count);
-  for (std::size_t start = 0, i = 0; i < points.size(); ++i) {
-    if ((points[i].flags & OutlinePoint::kLastOfContour) == 0) continue;
-    const auto contour = points.subspan(start, i + 1 - start);
-    start = i + 1;
-    double x = contour[0].x, y = contour[0].y;
-    const auto line_to = [&](double to_x, double to_y) {
-      twice += x * to_y - to_x * y;
-      x = to_x, y = to_y;
-    };
-    for (std::size_t k = 1; k <= contour.size(); ++k) {
-      const OutlinePoint& p = contour[k % contour.size()];
-      if ((p.flags & OutlinePoint::kOnCurve) != 0) {
-        line_to(p.x, p.y);
-        continue;
-      }
-      const OutlinePoint& end = contour[++k % contour.size()];
-      const double from_x = x, from_y = y;
-      for (int piece = 1; piece <= 1000; ++piece) {
-        const double t = piece / 1000.0;
-        line_to((1 - t) * (1 - t) * from_x + 2 * t * (1 - t) * p.x + t * t * end.x,
-                (1 - t) * (1 - t) * from_y + 2 * t * (1 - t) * p.y + t * t * end.y);
-      }
-    }
+  Inked(const Face& face, std::string_view text) : covers(std::size_t{kColumns} * kRows) {
+    face.for_each_pixel(kLeft, kBaseline, text, [&](int x, int y, unsigned cover) {
+      ASSERT_TRUE(x >= 0 && y >= 0 && x < kColumns && y < kRows);
+      covers[static_cast<std::size_t>(y * kColumns + x)] = cover;
+    });
   }
-  return std::abs(twice) / 2;
-}
-
-// Letters of one or more contours that don't overlap: then the sum of the covers is the area.
-TEST(GlyphRaster, CoversTheAreaOfTheOutline) {
-  for (const FontWeight weight : {FontWeight::kRegular, FontWeight::kBold}) {
-    const FontOutlines& font = font_outlines(weight);
-    for (const char letter : std::string("HOBg8&i%")) {
-      const GlyphOutline& glyph = glyph_of(font, static_cast<std::uint16_t>(letter));
-      for (const int x_height : {9, 12, 33}) {
-        const GlyphPicture picture = rasterise(font, glyph, x_height);
-        double cover = 0;
-        for (const std::uint8_t level : picture.cover) cover += level / 255.0;
-        const double pixel = double{1} * font.x_height / x_height;
-        const double area = area_of(font, glyph) / (pixel * pixel);
-        EXPECT_NEAR(cover / area, 1, 0.03) << letter << " of " << x_height;
-      }
-    }
+  /// The darkest pixel of a row.
+  unsigned darkest(int row) const {
+    const auto first = covers.begin() + std::ptrdiff_t{row} * kColumns;
+    return *std::max_element(first, first + kColumns);
   }
-}
+  std::vector<unsigned> covers;
+};
 
+// z and E have strokes along their upper and lower edges.
 TEST(Face, StandsSharpOnItsBaseline) {
-  // Multiples of 3 make both an x and a capital whole pixels high.
-  for (const int x_height : {9, 12, 18}) {
-    const FontOutlines& font = font_outlines(FontWeight::kBold);
-    const GlyphPicture capital = rasterise(font, glyph_of(font, 'H'), x_height);
-    EXPECT_EQ(-capital.top, x_height * 4 / 3);
-    EXPECT_EQ(capital.cover[static_cast<std::size_t>(capital.columns) / 4], 255) << "no grey edge at the top of H";
+  for (const FontWeight weight : {FontWeight::kRegular, FontWeight::kBold}) {
+    for (const int x_height : {9, 10, 11, 12, 15, 16, 20, 27, 33, 45, 64, 96}) {
+      SCOPED_TRACE(x_height);
+      const Face face(weight, x_height);
+      EXPECT_NEAR(face.cap_height(), x_height * 4 / 3.0, 0.7);
+      const bool has_sharp_capitals = x_height < 16 || x_height % 3 == 0;
+      for (const auto& [letter, height] : {std::pair("z", x_height), std::pair("E", face.cap_height())}) {
+        if (height != x_height && !has_sharp_capitals) continue;
+        const Inked inked(face, letter);
+        EXPECT_EQ(inked.darkest(Inked::kBaseline), 0U) << letter;
+        EXPECT_EQ(inked.darkest(Inked::kBaseline - 1), 255U) << letter;
+        EXPECT_EQ(inked.darkest(Inked::kBaseline - height), 255U) << letter;
+        EXPECT_EQ(inked.darkest(Inked::kBaseline - height - 1), 0U) << letter;
+      }
+    }
   }
+}
+
+TEST(Face, HasADifferentGlyphForEveryCharacter) {
+  const Face face(FontWeight::kRegular, 11);
+  std::map<std::vector<unsigned>, std::string_view> known;
+  std::string_view text =
+      " !\"#$%&'()*+,-./0123456789:;<=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_`abcdefghijklmnopqrstuvwxyz{|}~"
+      "°²µ·ÄÖ×Üßäéöü–“”„…▶⚠✓✖❚\uFFFD";
+  while (!text.empty()) {
+    std::string_view rest = text;
+    take_character(rest);
+    const std::string_view character = text.substr(0, text.size() - rest.size());
+    const auto& [same, is_new] = known.emplace(Inked(face, character).covers, character);
+    EXPECT_TRUE(is_new) << character << " looks like " << same->second;
+    text = rest;
+  }
+}
+
+TEST(Face, FindsTheStartThatFits) {
+  const Face face(FontWeight::kRegular, 9);
+  const std::string_view text = "Größe";
+  EXPECT_EQ(face.start_of(text, face.width(text)), text);
+  EXPECT_EQ(face.start_of(text, face.width(text) - 1), "Größ");
+  EXPECT_EQ(face.start_of(text, face.width("Grö") - 1), "Gr") << "cuts between characters";
+  EXPECT_EQ(face.start_of(text, -1), "");
 }
 
 TEST(Face, TakesTextAsUtf8) {
