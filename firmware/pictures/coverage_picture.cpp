@@ -24,12 +24,15 @@ constexpr std::array<const char*, kEvidenceCount> kMeanings{"scanned", "not scan
 
 void draw_legend(const Picture& picture, const ConfidenceMap& map) {
   const auto share = map.surface();
+  const LabelStyle plain{page_faces().plain, kInk};
+  const std::int64_t middle = std::int64_t{kMargin} + 44 + plain.face.width("100.0 %");
   std::int64_t line = 788;
   for (std::size_t e = 0; e < kEvidenceCount; ++e, line += 24) {
     picture.fill(kMargin, line - 1, 30, 16, kColours[e]);
-    char text[96];
-    std::snprintf(text, sizeof text, "%5.1f %%  %s", 100 * share[e], kMeanings[e]);
-    draw_text(picture, kMargin + 44, line, text, {.scale = 2, .colour = kInk});
+    char percent[16];
+    std::snprintf(percent, sizeof percent, "%.1f %%", 100 * share[e]);
+    draw_text(picture, middle - plain.face.width(percent), line, percent, plain);
+    draw_text(picture, middle + 14, line, kMeanings[e], plain);
   }
 }
 
@@ -47,7 +50,7 @@ Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const Confiden
     PLUMBLINE_TRY(words);
     extent = find_extent(rrep, *words);
   }
-  const LabelStyle plain{.scale = 2, .colour = kInk};
+  const LabelStyle plain{page_faces().plain, kInk};
   if (extent.empty()) return PagePart{};
   const CoverageLayout layout = CoverageLayout::of(extent, grid, page);
   const auto in_samples = [&](float mm) { return mm * static_cast<float>(layout.samples_per_mm); };
@@ -74,7 +77,7 @@ Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const Confiden
       shade_depth(views[v], *scratch, picture, left, (std::int64_t{page.top} + page.bottom - height) / 2, kColours);
       if (!named) continue;
       const std::string_view name = walls ? (v == 0 ? "front" : "back") : (v == 0 ? "above" : "below");
-      const std::int64_t spare = std::int64_t{layout.width} - text_width(name, plain);
+      const std::int64_t spare = std::int64_t{layout.width} - plain.face.width(name);
       draw_text(picture, left + spare / 2, page.bottom + 6, name, plain);
     }
   }
@@ -87,11 +90,11 @@ Status draw_coverage(const RRep& rrep, const ConfidenceMap& map, std::string_vie
                      std::span<std::uint8_t> rgb) {
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
   PLUMBLINE_TRY(draw_coverage_views(rrep, map, kCoveragePage, true, arena, picture));
-  const LabelStyle title{.scale = 4, .colour = kInk};
-  draw_text(picture, kMargin, 38, cut(name, kPreviewColumns - 700, title), title);
+  const LabelStyle title{page_faces().title, kInk};
+  draw_text(picture, kMargin, 38, title.face.start_of(name, kPreviewColumns - 700), title);
   constexpr std::string_view kAbout = "which parts of the surface were scanned";
-  const LabelStyle plain{.scale = 2, .colour = kInk};
-  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
+  const LabelStyle plain{page_faces().plain, kInk};
+  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - plain.face.width(kAbout), 52, kAbout, plain);
   draw_legend(picture, map);
   return {};
 }

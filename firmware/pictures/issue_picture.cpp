@@ -139,8 +139,8 @@ void draw_tile(const Picture& picture, const TilePlace& place, const TileLayout&
 
 void draw_caption(const Picture& picture, const TilePlace& place, const Issue& issue, const IssueScale& scale) {
   const std::int64_t top = place.top + kPage.rows + 12;
-  const LabelStyle plain{.scale = 2, .colour = kInk};
-  const LabelStyle pale{.scale = 2, .colour = kPaleInk};
+  const LabelStyle plain{page_faces().plain, kInk};
+  const LabelStyle pale{page_faces().plain, kPaleInk};
   char text[96];
   const IssueWords& words = words_of(issue.kind);
   const bool is_volume = words.size == IssueSize::kVolume;
@@ -151,10 +151,10 @@ void draw_caption(const Picture& picture, const TilePlace& place, const Issue& i
                 is_drop     ? "mm3"
                 : is_volume ? "ml"
                             : "mm2");
-  draw_text(picture, place.left, top, cut(text, kPage.step - 12, plain), plain);
+  draw_text(picture, place.left, top, plain.face.start_of(text, kPage.step - 12), plain);
   std::snprintf(text, sizeof text, "layer %u, %.2f mm: x %.1f, y %.1f mm", issue.layer, scale.z_mm(issue.layer),
                 scale.x_mm(issue), scale.y_mm(issue));
-  draw_text(picture, place.left, top + 24, cut(text, kPage.columns, pale), pale);
+  draw_text(picture, place.left, top + 24, pale.face.start_of(text, kPage.columns), pale);
 }
 
 /// Draws a tile for each issue.
@@ -228,11 +228,11 @@ Status draw_issues(const StackFindings& findings, const PrintGrid& grid, std::st
                    Arena& arena, std::span<std::uint8_t> rgb) {
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
   draw_background(picture);
-  const LabelStyle title{.scale = 4, .colour = kInk};
-  draw_text(picture, kPage.left, 38, cut(name, kPreviewColumns - 800, title), title);
+  const LabelStyle title{page_faces().title, kInk};
+  draw_text(picture, kPage.left, 38, title.face.start_of(name, kPreviewColumns - 800), title);
   constexpr std::string_view kAbout = "issues in red; grey: the layer below";
-  const LabelStyle plain{.scale = 2, .colour = kPaleInk};
-  draw_text(picture, std::int64_t{kPreviewColumns} - kPage.left - text_width(kAbout, plain), 52, kAbout, plain);
+  const LabelStyle plain{page_faces().plain, kPaleInk};
+  draw_text(picture, std::int64_t{kPreviewColumns} - kPage.left - plain.face.width(kAbout), 52, kAbout, plain);
 
   const IssueScale scale(grid);
   return draw_tiles(picture, kPage, ShownIssues(findings), grid, masks, arena,

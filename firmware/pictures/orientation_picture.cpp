@@ -132,11 +132,11 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
   const auto memory = take_map(kColumns * kSamplesPerPixel, kRows * kSamplesPerPixel, arena);
   PLUMBLINE_TRY(memory);
   draw_background(picture);
-  const LabelStyle title{.scale = 4, .colour = kInk};
-  const LabelStyle plain{.scale = 2, .colour = kInk};
-  draw_text(picture, kLeft, 38, cut(name, kPreviewColumns - 700, title), title);
+  const LabelStyle title{page_faces().title, kInk};
+  const LabelStyle plain{page_faces().plain, kInk};
+  draw_text(picture, kLeft, 38, title.face.start_of(name, kPreviewColumns - 700), title);
   constexpr std::string_view kAbout = "the best orientations; what needs supports is orange";
-  draw_text(picture, std::int64_t{kPreviewColumns} - kLeft - text_width(kAbout, plain), 52, kAbout, plain);
+  draw_text(picture, std::int64_t{kPreviewColumns} - kLeft - plain.face.width(kAbout), 52, kAbout, plain);
 
   const auto sight = find_sight(cloud, arena);
   PLUMBLINE_TRY(sight);
@@ -146,7 +146,7 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
     shade_depth(memory->map, memory->scratch, picture, left, kFloor - kRows, kColours);
     std::int64_t line = kFloor + 30;
     for (const std::string_view text : view.lines) {
-      draw_text(picture, left, line, cut(text, kStep - 12, plain), plain);
+      draw_text(picture, left, line, plain.face.start_of(text, kStep - 12), plain);
       line += 30;
     }
     left += kStep;

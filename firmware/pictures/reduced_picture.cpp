@@ -6,7 +6,7 @@
 #include <memory>
 #include <new>
 
-#include "firmware/pictures/preview/preview_font.hpp"
+#include "firmware/pictures/preview/picture.hpp"
 
 namespace plumbline {
 namespace {

@@ -10,6 +10,7 @@
 #include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/job_pictures.hpp"
 #include "firmware/pictures/preview/preview.hpp"
+#include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/manifest.hpp"
@@ -47,6 +48,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
       PLUMBLINE_TRY(made);
       encoder = std::move(*made);
     }
+    if (!settings.archive) static_cast<void>(preview::page_faces());  // makes them
   }
   job.settings_.slice.confidence = true;
   start_threads(settings.slice.threads);

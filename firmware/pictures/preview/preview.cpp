@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "firmware/pictures/preview/preview_font.hpp"
+#include "firmware/pictures/preview/picture.hpp"
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/pictures/preview/preview_views.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 
 void draw_centred(const Picture& picture, std::int64_t centre, std::int64_t top, std::string_view text,
                   const LabelStyle& style) {
-  draw_text(picture, centre - text_width(text, style) / 2, top, text, style);
+  draw_text(picture, centre - style.face.width(text) / 2, top, text, style);
 }
 
 /// Draws a scale bar: the longest of 1, 2 or 5 times a power of ten mm that takes at most 200 pixels.
@@ -34,7 +34,7 @@ void draw_scale_bar(const Picture& picture, double pixels_per_mm, std::int64_t l
   picture.fill(left + pixels - 2, top, 2, 13, kInk);
   char label[32];
   std::snprintf(label, sizeof label, "%g mm", length);
-  draw_text(picture, left + pixels + 14, top, label, {.scale = 2, .colour = kInk});
+  draw_text(picture, left + pixels + 14, top, label, {page_faces().plain, kInk});
 }
 
 }  // namespace
@@ -47,8 +47,7 @@ Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewTex
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
   const auto layout = draw_views(rrep, supports, kPreviewPage, Views::kThreeSides, arena, picture);
   PLUMBLINE_TRY(layout);
-  const LabelStyle title{.scale = 4, .colour = kInk}, plain{.scale = 2, .colour = kInk},
-      pale{.scale = 2, .colour = kPaleInk};
+  const LabelStyle title{page_faces().title, kInk}, plain{page_faces().plain, kInk}, pale{page_faces().plain, kPaleInk};
   if (*layout) {
     const Layout& at = **layout;
     const std::int64_t label = at.floor + 18;
@@ -59,12 +58,13 @@ Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewTex
   }
 
   const std::string_view size = *layout ? text.size : "empty";
-  const std::uint32_t size_width = text_width(size, plain);
+  const int size_width = plain.face.width(size);
   draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - size_width, 52, size, plain);
-  draw_text(picture, kMargin, 38, cut(text.name, kPreviewColumns - 3 * kMargin - size_width, title), title);
+  draw_text(picture, kMargin, 38, title.face.start_of(text.name, int{kPreviewColumns - 3 * kMargin} - size_width),
+            title);
   std::int64_t line = 806;
   for (const auto caption : text.captions.first(std::min(text.captions.size(), kMaxPreviewCaptions))) {
-    draw_text(picture, kMargin, line, cut(caption, kPreviewColumns - 2 * kMargin, pale), pale);
+    draw_text(picture, kMargin, line, pale.face.start_of(caption, kPreviewColumns - 2 * kMargin), pale);
     line += 28;
   }
   return {};

@@ -1,6 +1,5 @@
 #include "firmware/pictures/preview/preview_page.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace plumbline::preview {
@@ -22,8 +21,9 @@ void draw_background(const Picture& picture) {
   }
 }
 
-std::string_view cut(std::string_view text, std::uint32_t pixels, const LabelStyle& style) {
-  return text.substr(0, std::min<std::size_t>(text.size(), pixels / style.advance()));
+const PageFaces& page_faces() {
+  static const PageFaces kFaces;
+  return kFaces;
 }
 
 }  // namespace plumbline::preview

@@ -1,11 +1,10 @@
 #pragma once
-/// Shared by all pictures: background, ink, and cutting text to a width.
+/// Shared by all pictures: background, ink and faces.
 
 #include <array>
 #include <cstdint>
-#include <string_view>
 
-#include "firmware/pictures/preview/preview_font.hpp"
+#include "firmware/pictures/preview/picture.hpp"
 
 namespace plumbline::preview {
 
@@ -16,7 +15,11 @@ inline constexpr std::array<Rgb, 2> kMaterials{{{255, 243, 222}, {122, 178, 214}
 /// Fills the page with a grey that darkens upwards.
 void draw_background(const Picture& picture);
 
-/// The start of a text that fits into `pixels`.
-std::string_view cut(std::string_view text, std::uint32_t pixels, const LabelStyle& style);
+struct PageFaces {
+  Face plain{FontWeight::kRegular, 11};
+  Face title{FontWeight::kRegular, 21};
+};
+/// Made by the first call, which takes their memory from the heap.
+const PageFaces& page_faces();
 
 }  // namespace plumbline::preview

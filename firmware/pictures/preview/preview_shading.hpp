@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/pictures/preview/preview_font.hpp"
+#include "firmware/pictures/preview/picture.hpp"
 
 namespace plumbline {
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/pictures/preview/preview_font.hpp"
+#include "firmware/pictures/preview/preview_page.hpp"
 #include "tests/slicer/support/solid.hpp"
 
 namespace plumbline {
@@ -299,24 +299,13 @@ TEST(Preview, CutsTextThatIsLongerThanThePage) {
   for (std::uint32_t row = 0; row < kPreviewRows; ++row) EXPECT_TRUE(drawing.same(plain, kPreviewColumns - 1, row));
 }
 
-TEST(PreviewFont, HasADifferentGlyphForEveryCharacter) {
-  std::vector<std::vector<std::uint8_t>> drawn;
-  for (int c = 32; c <= 127; ++c) {
-    std::vector<std::uint8_t> rgb(std::size_t{3} * 12 * 20, 0);
-    const char letter = static_cast<char>(c);
-    draw_text({rgb, 12, 20}, 0, 0, {&letter, 1}, {.scale = 2});
-    for (const auto& other : drawn) EXPECT_NE(rgb, other) << letter;
-    drawn.push_back(rgb);
-  }
-}
-
-TEST(PreviewFont, IgnoresPixelsOutsideThePicture) {
+TEST(Picture, IgnoresPixelsOutsideIt) {
   // The picture lies between two guards.
   constexpr std::ptrdiff_t kBytes = 3 * 10 * 10;
   std::vector<std::uint8_t> memory(3 * kBytes, 77);
   const std::span<std::uint8_t> rgb = std::span(memory).subspan(kBytes, kBytes);
-  draw_text({rgb, 10, 10}, -30, -7, "ABCDEFGHIJ", {.scale = 3});
-  draw_text({rgb, 10, 10}, 8, 8, "\xC3\xA9W", {.scale = 1});
+  draw_text({rgb, 10, 10}, -30, -7, "ABCDEFGHIJ", {preview::page_faces().title});
+  draw_text({rgb, 10, 10}, 8, 8, "\xC3\xA9W", {preview::page_faces().plain});
   EXPECT_LT(std::ranges::count(rgb, 77), kBytes) << "nothing drawn where the text overlaps the picture";
   EXPECT_EQ(std::ranges::count(std::span(memory).first(kBytes), 77), kBytes);
   EXPECT_EQ(std::ranges::count(std::span(memory).last(kBytes), 77), kBytes);

@@ -1,10 +1,12 @@
 #pragma once
-/// Text on pictures, in a font of 5 x 9 dots drawn for it.
+/// A picture in 8-bit colours, and the texts on it.
 
 #include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
+
+#include "firmware/canvas/face.hpp"
 
 namespace plumbline {
 
@@ -22,18 +24,12 @@ struct Picture {
   void fill(std::int64_t left, std::int64_t top, std::int64_t width, std::int64_t height, const Rgb& colour) const;
 };
 
-/// A line of text, its edges smoothed.
 struct LabelStyle {
-  std::uint32_t scale = 2;  ///< picture pixels a dot, 1 or more
+  const Face& face;
   Rgb colour{255, 255, 255};
-
-  std::uint32_t advance() const { return 6 * scale; }  ///< pixels from one character to the next
 };
 
-/// Pixels that `text` is wide.
-std::uint32_t text_width(std::string_view text, const LabelStyle& style);
-
-/// Draws one line; (left, top) is the corner of the first capital. ASCII; every other byte is drawn as a box.
+/// Draws one line; (left, top) is the upper left corner of its capitals.
 void draw_text(const Picture& picture, std::int64_t left, std::int64_t top, std::string_view text,
                const LabelStyle& style);
 
