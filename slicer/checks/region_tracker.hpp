@@ -10,14 +10,14 @@
 #include "slicer/checks/film.hpp"
 #include "slicer/checks/island_rule.hpp"
 #include "slicer/checks/region_columns.hpp"
-#include "slicer/checks/region_contacts.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/checks/tear_finder.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
-#include "slicer/layers/layer_regions.hpp"
+#include "slicer/regions/layer_regions.hpp"
+#include "slicer/regions/region_contacts.hpp"
 
 namespace plumbline {
 

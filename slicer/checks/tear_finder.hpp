@@ -6,14 +6,14 @@
 #include <cstdint>
 #include <span>
 
-#include "slicer/checks/hold_network.hpp"
-#include "slicer/checks/region_contacts.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/resin/peel_force.hpp"
-#include "slicer/layers/layer_regions.hpp"
+#include "slicer/regions/hold_network.hpp"
+#include "slicer/regions/layer_regions.hpp"
+#include "slicer/regions/region_contacts.hpp"
 
 namespace plumbline {
 

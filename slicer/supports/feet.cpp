@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "slicer/layers/layer_regions.hpp"
 #include "slicer/layers/layer_stream.hpp"
+#include "slicer/regions/layer_regions.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
 namespace plumbline {

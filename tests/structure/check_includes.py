@@ -11,22 +11,23 @@ from pathlib import Path
 # Target -> targets it may include, besides itself. A file belongs to the deepest target that holds it: "hal" excludes "hal/linux".
 MAY_INCLUDE = {
     "slicer/core": set(),
-    "slicer": {"slicer/core"},
+    "slicer/regions": {"slicer/core"},
+    "slicer": {"slicer/core", "slicer/regions"},
     "slicer/example": {"slicer/core", "slicer"},  # a program as a user of the library would write it
     "hal": {"slicer/core"},
     "hal/linux": {"slicer/core", "hal"},
-    "hal/sim": {"slicer/core", "hal"},
+    "hal/sim": {"slicer/core", "slicer/regions", "hal"},
     # One file for each back end of the HAL may include it: see COMPOSITION.
     "firmware": {"slicer/core", "slicer", "hal", "firmware/pictures", "firmware/canvas"},
     "firmware/canvas": {"slicer/core"},
-    "firmware/pictures": {"slicer/core", "slicer", "firmware/canvas"},
-    "tests": {"slicer/core", "slicer", "hal", "hal/linux", "hal/sim", "firmware", "firmware/canvas", "firmware/pictures"},
+    "firmware/pictures": {"slicer/core", "slicer/regions", "slicer", "firmware/canvas"},
+    "tests": {"slicer/core", "slicer/regions", "slicer", "hal", "hal/linux", "hal/sim", "firmware", "firmware/canvas", "firmware/pictures"},
 }
 
 # Folder -> its subfolders in the data's order. Each may include those before it. The files directly in the folder come last
 # and may include all of them; no subfolder includes those files.
 ORDER = {
-    "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "mesh", "rays",
+    "slicer": ["core", "regions", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "mesh", "rays",
                "layers", "supports", "checks", "plan"],
     "slicer/core": ["numbers", "words", "resin"],
     "slicer/reader/formats": ["e57", "pcd", "splats", "tables"],
@@ -155,7 +156,7 @@ def check(root):
             else:
                 if folder_of(angled) is not None and (root / angled).exists():
                     violations.append(f'{at}: <{angled}>: our headers go in quotes')
-                if here in ("slicer", "slicer/core") and NOT_IN_SLICER.fullmatch(angled):
+                if here in ("slicer", "slicer/core", "slicer/regions") and NOT_IN_SLICER.fullmatch(angled):
                     violations.append(f"{at}: <{angled}>: the slicer uses no threads except OpenMP's, no files, devices or clock")
                 if angled in users and here != "tests":
                     users[angled].append(at)

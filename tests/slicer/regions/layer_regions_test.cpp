@@ -1,4 +1,4 @@
-#include "slicer/layers/layer_regions.hpp"
+#include "slicer/regions/layer_regions.hpp"
 
 #include <gtest/gtest.h>
 

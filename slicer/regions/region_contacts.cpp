@@ -1,4 +1,4 @@
-#include "slicer/checks/region_contacts.hpp"
+#include "slicer/regions/region_contacts.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "slicer/checks/hold_network.hpp"
+#include "slicer/regions/hold_network.hpp"
 
 #include <algorithm>
 #include <tuple>
