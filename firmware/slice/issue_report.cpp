@@ -108,7 +108,7 @@ CheckLimits coarse_limits(const PrintGrid& grid, const PeelSettings& peel) {
   const auto scaled = [](std::uint32_t limit, double factor) {
     return std::max(1U, static_cast<std::uint32_t>(std::lround(limit * factor)));
   };
-  limits.island_held_pixels = scaled(limits.island_held_pixels, pixels * pixels);
+  limits.island.held_pixels = scaled(limits.island.held_pixels, pixels * pixels);
   limits.overhang_reach = scaled(limits.overhang_reach, pixels);
   limits.drain_pixels = scaled(limits.drain_pixels, pixels * pixels);
   limits.suction_pixels = scaled(limits.suction_pixels, pixels * pixels);

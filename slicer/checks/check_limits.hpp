@@ -5,6 +5,7 @@
 
 #include "slicer/core/resin/peel_force.hpp"
 #include "slicer/placement/placement.hpp"
+#include "slicer/regions/island_share.hpp"
 
 namespace plumbline {
 
@@ -12,12 +13,9 @@ namespace plumbline {
 /// two sets of them: those of its library and command line (IslandDetectionConfiguration and its like), and those of its window
 /// (UserSettings). Where these differ, the more useful one is here, and the other one is named.
 struct CheckLimits {
-  // Island: fewer pixels are above white ones than a quarter of the region. With 10 pixels and a quarter of that share or
-  // more, only if it also has an overhang.
-  std::uint32_t island_held_divisor = 4;  ///< 1 / RequiredPixelsToSupportMultiplier
-  std::uint32_t island_held_pixels = 10;  ///< of the enhanced detection
-  std::uint32_t overhang_reach = 40;      ///< pixels: ErodeIterations; 49 in the window
-  std::uint32_t drain_pixels = 10;  ///< RequiredBlackPixelsToDrain: a smaller opening between layers drains nothing
+  IslandShare island;
+  std::uint32_t overhang_reach = 40;  ///< pixels: ErodeIterations; 49 in the window
+  std::uint32_t drain_pixels = 10;    ///< RequiredBlackPixelsToDrain: a smaller opening between layers drains nothing
   /// Of the largest region of a resin trap: RequiredAreaToProcessCheck of the window. The library's is 4, but traps that small are
   /// those of one layer between the grey edges of supports.
   std::uint32_t trap_pixels = 17;

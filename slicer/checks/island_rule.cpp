@@ -60,10 +60,8 @@ bool IslandRule::is_island(std::uint32_t region, std::uint32_t shared, Layers& l
 
 /// UVtools' rule, which knows no tips.
 bool IslandRule::overhangs(std::uint32_t region, std::uint32_t shared, const Layers& layers) const {
-  const std::uint64_t area = layers.regions.area(region);
-  const std::uint64_t held = std::uint64_t{shared} * limits_.island_held_divisor;
-  if (shared > 0 && held >= area) return false;
-  if (shared < limits_.island_held_pixels || held * limits_.island_held_divisor < area) return true;
+  const auto verdict = limits_.island.judge(layers.regions.area(region), shared);
+  if (verdict != IslandShare::Verdict::kIslandIfOverhang) return verdict == IslandShare::Verdict::kIsland;
   return any_run_of(layers.regions, region, [&](std::uint32_t row, const LayerRegions::Run& run) {
     return count_in(layers.eroded.row(row), run.first, run.last + 1U) > 0;
   });

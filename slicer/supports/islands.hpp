@@ -8,6 +8,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/disjoint_sets.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/regions/island_share.hpp"
 #include "slicer/supports/window.hpp"
 
 namespace plumbline {
@@ -70,8 +71,9 @@ class IslandFinder {
     bool goes_on = false;     ///< into the row being read
   };
 
-  static constexpr std::uint32_t kFewSides = 40;   ///< ten pixels have no more
-  static constexpr std::uint32_t kManyPixels = 4;  ///< for each side: a sixteenth of them is a quarter of a pixel
+  static constexpr std::uint32_t kFewSides = 4 * IslandShare{}.held_pixels;  ///< that many pixels have no more
+  static constexpr std::uint32_t kManyPixels =
+      IslandShare{}.held_divisor;  ///< for each side: a sixteenth of them is a quarter of a pixel
 
   using Sets = DisjointSets<Region, &Region::parent>;
 

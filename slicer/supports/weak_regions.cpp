@@ -10,10 +10,6 @@ namespace {
 constexpr const char* kStage = "supports";
 constexpr LayerRegions::Settings kRegions{.runs_per_row = 4, .join_white_corners = false, .stage = kStage};
 
-// As in CheckLimits.
-constexpr std::uint32_t kHeldDivisor = 4;
-constexpr std::uint32_t kHeldPixels = 10;
-
 }  // namespace
 
 Expected<WeakRegions> WeakRegions::create(std::uint32_t columns, std::uint32_t rows, Arena& arena) {
@@ -54,9 +50,8 @@ void WeakRegions::look_at(ConstBitImage mask, ConstBitImage below, std::span<con
 }
 
 bool WeakRegions::is_weak(std::uint32_t region) const {
-  const std::uint64_t area = regions_.area(region);
-  const std::uint64_t held = std::uint64_t{held_[region]} * kHeldDivisor;
-  return held > 0 && held < area && (held_[region] < kHeldPixels || held * kHeldDivisor < area);
+  const std::uint32_t held = held_[region];
+  return held > 0 && IslandShare{}.judge(regions_.area(region), held) == IslandShare::Verdict::kIsland;
 }
 
 WeakRegions::Place WeakRegions::place_in(std::uint32_t region, ConstBitImage mask, ConstBitImage below) const {

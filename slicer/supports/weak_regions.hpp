@@ -8,13 +8,13 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/regions/island_share.hpp"
 #include "slicer/regions/layer_regions.hpp"
 #include "slicer/supports/tips.hpp"
 
 namespace plumbline {
 
-/// A region of a layer is weak if something holds it, but so little that it is an island to UVtools and slicer/checks: less than a
-/// quarter of its pixels, and these are fewer than ten or less than a sixteenth.
+/// A region of a layer is weak if something holds it, but so little that it is an island whatever its overhangs are (IslandShare).
 class WeakRegions {
  public:
   WeakRegions() = default;

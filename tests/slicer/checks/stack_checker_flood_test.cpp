@@ -190,8 +190,8 @@ std::vector<Pixels> random_stack(Random& random, std::uint32_t solid_of_16) {
 TEST(StackCheckerAgainstAFlood, FindsTheSameInRandomStacks) {
   Random random(26);
   CheckLimits limits = strict_limits();
-  limits.island_held_divisor = 1U << 20U;  // only regions above nothing are islands
-  limits.island_held_pixels = 0;
+  limits.island.held_divisor = 1U << 20U;  // only regions above nothing are islands
+  limits.island.held_pixels = 0;
   std::uint64_t traps_seen = 0;
   std::uint64_t cups_seen = 0;
   std::uint64_t pieces_seen = 0;
@@ -280,8 +280,8 @@ TEST(StackCheckerAgainstAFlood, FindsTheIslandsOfUvtoolsRule) {
 TEST(StackCheckerAgainstAFlood, FindsNoIslandWhereTheOtherFinderFindsNone) {
   Random random(28);
   CheckLimits limits = strict_limits();
-  limits.island_held_divisor = 1U << 20U;
-  limits.island_held_pixels = 0;
+  limits.island.held_divisor = 1U << 20U;
+  limits.island.held_pixels = 0;
   for (int i = 0; i < 200; ++i) {
     const auto masks = random_stack(random, 2 + random.below(13));
     EXPECT_EQ(check(masks, limits).count(IssueKind::kIsland), floating_islands(masks));
