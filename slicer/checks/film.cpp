@@ -1,7 +1,5 @@
 #include "slicer/checks/film.hpp"
 
-#include "slicer/supports/drawing/disc.hpp"
-
 namespace plumbline {
 
 Expected<Film> Film::create(const PrintGrid& grid, Arena& arena) {
@@ -31,9 +29,5 @@ bool Film::touches_part(std::uint32_t row, const LayerRegions::Run& run) const {
 }
 
 void Film::keep(ConstBitImage mask) { shade(mask, stayed_); }
-
-void Film::draw(BitImage image, std::uint32_t row, const LayerRegions::Run& run) {
-  for_each_word(run.first, run.last + 1U, [&](std::uint32_t w, std::uint64_t bits) { image.row(row)[w] |= bits; });
-}
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
+#include "slicer/core/bit_spans.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/regions/layer_regions.hpp"
@@ -36,8 +37,6 @@ class Film {
   void keep(ConstBitImage mask);
 
  private:
-  static void draw(BitImage image, std::uint32_t row, const LayerRegions::Run& run);
-
   bool clean_ = true;
   BitImage film_;
   BitImage stayed_;  ///< used when the film is not clean
@@ -46,14 +45,11 @@ class Film {
 template <class Falls>
 void Film::lay_down(const LayerRegions& lit, Falls falls) {
   stayed_.clear();
-  for (std::uint32_t r = 0; r < lit.rows(); ++r) {
-    for (std::uint32_t i = lit.row_begin(r); i < lit.row_begin(r + 1); ++i) {
-      if (!lit.white(r, i)) continue;
-      const bool fell = falls(lit.region(i));
-      clean_ = clean_ && !fell;
-      draw(fell ? film_ : stayed_, r, lit.run(i));
-    }
-  }
+  lit.for_each_white_run([&](std::uint32_t row, std::uint32_t i) {
+    const bool fell = falls(lit.region(i));
+    clean_ = clean_ && !fell;
+    fill(fell ? film_ : stayed_, row, lit.run(i).first, lit.run(i).last + 1U, true);
+  });
 }
 
 }  // namespace plumbline

@@ -4,32 +4,18 @@
 #include <optional>
 
 #include "slicer/checks/layer_measures.hpp"
+#include "slicer/core/bit_spans.hpp"
 #include "slicer/supports/drawing/disc.hpp"
 
 namespace plumbline {
 namespace {
 
-/// @param visit  called with (row, run) until it returns true
-/// @returns whether it did
-template <class Visit>
-bool any_run_of(const LayerRegions& regions, std::uint32_t region, Visit visit) {
-  std::uint32_t left = regions.area(region);
-  for (std::uint32_t r = regions.row_of(region); r < regions.rows() && left > 0; ++r) {
-    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
-      if (regions.region(i) != region) continue;
-      const LayerRegions::Run& run = regions.run(i);
-      left -= run.last + 1U - run.first;
-      if (visit(r, run)) return true;
-    }
-  }
-  return false;
-}
-
 /// Calls visit(row, begin, end, tip) for each stretch of columns of a region that lies above a white region, `tip`.
 template <class Visit>
 void for_each_stretch_on_tips(const LayerRegions& regions, std::uint32_t region, const LayerRegions& below,
                               Visit visit) {
-  any_run_of(regions, region, [&](std::uint32_t row, const LayerRegions::Run& run) {
+  regions.any_run_of(region, [&](std::uint32_t row, std::uint32_t at) {
+    const LayerRegions::Run& run = regions.run(at);
     for (std::uint32_t i = below.row_begin(row); i < below.row_begin(row + 1); ++i) {
       if (!below.white(row, i)) continue;
       const std::uint32_t begin = std::max(run.first, below.run(i).first);
@@ -62,7 +48,8 @@ bool IslandRule::is_island(std::uint32_t region, std::uint32_t shared, Layers& l
 bool IslandRule::overhangs(std::uint32_t region, std::uint32_t shared, const Layers& layers) const {
   const auto verdict = limits_.island.judge(layers.regions.area(region), shared);
   if (verdict != IslandShare::Verdict::kIslandIfOverhang) return verdict == IslandShare::Verdict::kIsland;
-  return any_run_of(layers.regions, region, [&](std::uint32_t row, const LayerRegions::Run& run) {
+  return layers.regions.any_run_of(region, [&](std::uint32_t row, std::uint32_t i) {
+    const LayerRegions::Run& run = layers.regions.run(i);
     return count_in(layers.eroded.row(row), run.first, run.last + 1U) > 0;
   });
 }
@@ -80,14 +67,12 @@ bool IslandRule::rests_on_tips(std::uint32_t region, std::uint32_t shared, Layer
                              [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end, std::uint32_t tip) {
                                if (!first) first = tip;
                                several = several || tip != *first;
-                               for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) {
-                                 std::uint64_t& word = layers.scratch.row(row)[w];
-                                 word = white ? word | bits : word & ~bits;
-                               });
+                               fill(layers.scratch, row, begin, end, white);
                              });
   };
   draw(true);
-  const bool any_far = any_run_of(layers.regions, region, [&](std::uint32_t row, const LayerRegions::Run& run) {
+  const bool any_far = layers.regions.any_run_of(region, [&](std::uint32_t row, std::uint32_t i) {
+    const LayerRegions::Run& run = layers.regions.run(i);
     bool far = false;
     for_each_word(run.first, run.last + 1U, [&](std::uint32_t w, std::uint64_t bits) {
       far = far || reach_.near(layers.scratch, row, w, bits) != bits;

@@ -192,12 +192,7 @@ bool RegionTracker::find_what_stays(ConstBitImage mask, BitImage lit, bool& any_
   auto& [pieces, held] = layers_[another(now_, stayed_below_)];
   if (!pieces.label(lit)) return false;
   std::fill_n(held.begin(), pieces.run_count(), below_is_known_ ? 0 : 1);
-  const auto for_each_piece = [&, &pieces = pieces](auto visit) {
-    for (std::uint32_t r = 0; r < pieces.rows(); ++r) {
-      for (std::uint32_t i = pieces.row_begin(r) + 1; i < pieces.row_begin(r + 1); i += 2) visit(r, i);
-    }
-  };
-  for_each_piece([&, &pieces = pieces, &held = held](std::uint32_t row, std::uint32_t i) {
+  pieces.for_each_white_run([&, &pieces = pieces, &held = held](std::uint32_t row, std::uint32_t i) {
     std::uint32_t& is_held = held[pieces.region(i)];
     if (is_held == 0 && film_.touches_part(row, pieces.run(i))) is_held = 1;
   });

@@ -127,19 +127,16 @@ bool StackChecker::has_contour_area(std::uint32_t region) const {
     return c < eroded_.columns() && r < eroded_.rows() && eroded_.at(c, r) ? 1U : 0U;
   };
   std::uint32_t halves = 0;
-  for (std::uint32_t r = overhangs_.row_of(region); r < overhangs_.rows(); ++r) {
-    for (std::uint32_t i = overhangs_.row_begin(r); i < overhangs_.row_begin(r + 1); ++i) {
-      if (overhangs_.region(i) != region) continue;
-      const LayerRegions::Run& run = overhangs_.run(i);
-      for (std::uint32_t end = run.first; end <= run.last + 1U; ++end) {  // columns end - 1 and end
-        const std::uint32_t left = end > 0 ? white(end - 1, r) + white(end - 1, r + 1) : 0;
-        const std::uint32_t pixels = left + white(end, r) + white(end, r + 1);
-        halves += pixels == 4 ? 2 : pixels == 3 ? 1 : 0;
-        if (halves >= 2) return true;
-      }
+  return overhangs_.any_run_of(region, [&](std::uint32_t r, std::uint32_t i) {
+    const LayerRegions::Run& run = overhangs_.run(i);
+    for (std::uint32_t end = run.first; end <= run.last + 1U; ++end) {  // columns end - 1 and end
+      const std::uint32_t left = end > 0 ? white(end - 1, r) + white(end - 1, r + 1) : 0;
+      const std::uint32_t pixels = left + white(end, r) + white(end, r + 1);
+      halves += pixels == 4 ? 2 : pixels == 3 ? 1 : 0;
+      if (halves >= 2) return true;
     }
-  }
-  return false;
+    return false;
+  });
 }
 
 const StackFindings& StackChecker::finish() {

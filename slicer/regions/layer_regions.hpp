@@ -57,6 +57,33 @@ class LayerRegions {
     const auto next = std::upper_bound(row_first_.begin(), row_first_.end(), i);
     return static_cast<std::uint32_t>(next - row_first_.begin()) - 1;
   }
+  /// The run that holds a pixel.
+  std::uint32_t run_at(std::uint32_t column, std::uint32_t row) const {
+    std::uint32_t i = row_begin(row);
+    while (i + 1 < row_begin(row + 1) && (runs_[i].first > runs_[i].last || runs_[i].last < column)) ++i;
+    return i;
+  }
+  /// Calls visit(row, i) for each white run.
+  template <class Visit>
+  void for_each_white_run(Visit visit) const {
+    for (std::uint32_t r = 0; r < rows(); ++r) {
+      for (std::uint32_t i = row_begin(r) + 1; i < row_begin(r + 1); i += 2) visit(r, i);
+    }
+  }
+  /// Calls visit(row, i) for the runs of a region but the outside, until it returns true.
+  /// @returns whether it did
+  template <class Visit>
+  bool any_run_of(std::uint32_t region, Visit visit) const {
+    std::uint32_t left = area(region);
+    for (std::uint32_t r = row_of(region); r < rows() && left > 0; ++r) {
+      for (std::uint32_t i = row_begin(r); i < row_begin(r + 1); ++i) {
+        if (region_[i] != region) continue;
+        left -= runs_[i].last + 1U - runs_[i].first;
+        if (visit(r, i)) return true;
+      }
+    }
+    return false;
+  }
 
  private:
   static const Settings kDefaults;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "slicer/core/bit_spans.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/regions/layer_regions.hpp"
 #include "slicer/supports/drawing/supports.hpp"
@@ -18,9 +19,8 @@ void draw_first_layer(const StrutList& list, BitImage image) {
   for (const Strut& strut : list.struts()) {
     if (!strut.is_in(0)) continue;
     for_each_strut_span(
-        pitch, strut, 0, image.columns(), image.rows(), [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-          for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) { image.row(row)[w] |= bits; });
-        });
+        pitch, strut, 0, image.columns(), image.rows(),
+        [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) { fill(image, row, begin, end, true); });
   }
 }
 
@@ -31,18 +31,15 @@ struct Middle {
 Middle middle_of(const LayerRegions& regions, std::uint32_t region) {
   Middle middle;
   std::uint32_t widest = 0;
-  std::uint32_t left = regions.area(region);
-  for (std::uint32_t r = regions.row_of(region); r < regions.rows() && left > 0; ++r) {
-    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
-      if (regions.region(i) != region) continue;
-      const LayerRegions::Run& run = regions.run(i);
-      const std::uint32_t width = run.last + 1U - run.first;
-      left -= width;
-      if (width <= widest) continue;
+  regions.any_run_of(region, [&](std::uint32_t row, std::uint32_t i) {
+    const LayerRegions::Run& run = regions.run(i);
+    const std::uint32_t width = run.last + 1U - run.first;
+    if (width > widest) {
       widest = width;
-      middle = {run.first + width / 2, r};
+      middle = {run.first + width / 2, row};
     }
-  }
+    return false;
+  });
   return middle;
 }
 
@@ -88,11 +85,9 @@ Expected<std::uint32_t> add_feet(const RRep& rrep, StrutList& list, Arena& arena
       if (!image.at(middle.column, middle.row) || list.is_full()) continue;
       PLUMBLINE_TRY(add_pad(middle, list));
       ++pads;
-      for_each_disc_span(pitch, middle.column, middle.row, nanometres(kPadRadius_mm), image.columns(), image.rows(),
-                         [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-                           for_each_word(begin, end,
-                                         [&](std::uint32_t w, std::uint64_t bits) { image.row(row)[w] &= ~bits; });
-                         });
+      for_each_disc_span(
+          pitch, middle.column, middle.row, nanometres(kPadRadius_mm), image.columns(), image.rows(),
+          [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) { fill(image, row, begin, end, false); });
     }
   }
   return pads;

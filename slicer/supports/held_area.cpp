@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "slicer/core/bit_spans.hpp"
 #include "slicer/core/numbers/degrees.hpp"
 
 namespace plumbline {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "slicer/supports/drawing/disc.hpp"
+#include "slicer/core/bit_spans.hpp"
 
 namespace plumbline {
 namespace {

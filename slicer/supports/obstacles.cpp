@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "slicer/core/bit_spans.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/supports/near.hpp"
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "slicer/core/bit_spans.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/layers/morphology.hpp"
 #include "slicer/supports/held_area.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "slicer/supports/drawing/disc.hpp"
+#include "slicer/core/bit_spans.hpp"
 
 namespace plumbline {
 namespace {
@@ -32,20 +32,15 @@ void WeakRegions::look_at(ConstBitImage mask, ConstBitImage below, std::span<con
   any_ = regions_.label(mask);
   if (!any_) return;
   std::fill_n(held_.begin(), regions_.run_count(), 0U);
-  for (std::uint32_t r = 0; r < regions_.rows(); ++r) {
-    for (std::uint32_t i = regions_.row_begin(r) + 1; i < regions_.row_begin(r + 1); i += 2) {  // white ones
-      const LayerRegions::Run& run = regions_.run(i);
-      std::uint32_t& held = held_[regions_.region(i)];
-      for_each_word(run.first, run.last + 1U,
-                    [&](std::uint32_t w, std::uint64_t bits) { held += count_ones(below.row(r)[w] & bits); });
-    }
-  }
+  regions_.for_each_white_run([&](std::uint32_t row, std::uint32_t i) {
+    const LayerRegions::Run& run = regions_.run(i);
+    std::uint32_t& held = held_[regions_.region(i)];
+    for_each_word(run.first, run.last + 1U,
+                  [&](std::uint32_t w, std::uint64_t bits) { held += count_ones(below.row(row)[w] & bits); });
+  });
   for (const Tip& tip : tips) {
-    for (std::uint32_t i = regions_.row_begin(tip.row) + 1; i < regions_.row_begin(tip.row + 1U); i += 2) {
-      if (tip.column > regions_.run(i).last) continue;
-      if (tip.column >= regions_.run(i).first) held_[regions_.region(i)] = LayerRegions::kNone;
-      break;
-    }
+    // Of a white pixel, or of the outside.
+    held_[regions_.region(regions_.run_at(tip.column, tip.row))] = LayerRegions::kNone;
   }
 }
 
@@ -57,24 +52,20 @@ bool WeakRegions::is_weak(std::uint32_t region) const {
 WeakRegions::Place WeakRegions::place_in(std::uint32_t region, ConstBitImage mask, ConstBitImage below) const {
   Place place{.column = 0, .row = 0, .pixels = regions_.area(region)};
   std::uint32_t widest = 0;
-  std::uint32_t left = place.pixels;
-  for (std::uint32_t r = regions_.row_of(region); r < regions_.rows() && left > 0; ++r) {
-    for (std::uint32_t i = regions_.row_begin(r) + 1; i < regions_.row_begin(r + 1); i += 2) {
-      if (regions_.region(i) != region) continue;
-      const LayerRegions::Run& run = regions_.run(i);
-      left -= run.last + 1U - run.first;
-      std::uint32_t begin = run.first;
-      for (std::uint32_t c = run.first; c <= run.last + 1U; ++c) {
-        if (c <= run.last && mask.at(c, r) && !below.at(c, r)) continue;
-        if (c - begin > widest) {
-          widest = c - begin;
-          place.column = begin + widest / 2;
-          place.row = r;
-        }
-        begin = c + 1;
+  regions_.any_run_of(region, [&](std::uint32_t row, std::uint32_t i) {
+    const LayerRegions::Run& run = regions_.run(i);
+    std::uint32_t begin = run.first;
+    for (std::uint32_t c = run.first; c <= run.last + 1U; ++c) {
+      if (c <= run.last && mask.at(c, row) && !below.at(c, row)) continue;
+      if (c - begin > widest) {
+        widest = c - begin;
+        place.column = begin + widest / 2;
+        place.row = row;
       }
+      begin = c + 1;
     }
-  }
+    return false;
+  });
   return place;
 }
 

@@ -35,11 +35,10 @@ class WeakRegions {
   /// Calls visit(place) for each weak region.
   template <class Visit>
   void for_each(ConstBitImage mask, ConstBitImage below, Visit visit) const {
-    for (std::uint32_t r = 0; any_ && r < regions_.rows(); ++r) {
-      for (std::uint32_t i = regions_.row_begin(r); i < regions_.row_begin(r + 1); ++i) {
-        if (regions_.white(r, i) && regions_.region(i) == i && is_weak(i)) visit(place_in(i, mask, below));
-      }
-    }
+    if (!any_) return;
+    regions_.for_each_white_run([&](std::uint32_t, std::uint32_t i) {
+      if (regions_.region(i) == i && is_weak(i)) visit(place_in(i, mask, below));
+    });
   }
 
  private:

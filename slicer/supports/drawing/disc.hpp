@@ -49,17 +49,4 @@ void for_each_disc_span(const PixelPitch& pitch, std::uint32_t column, std::uint
   });
 }
 
-/// Calls visit(word, bits) for the words of a row that hold columns [begin, end), begin < end.
-template <class Visit>
-void for_each_word(std::uint32_t begin, std::uint32_t end, Visit visit) {
-  const std::uint32_t first = begin / 64;
-  const std::uint32_t last = (end - 1) / 64;
-  for (std::uint32_t w = first; w <= last; ++w) {
-    std::uint64_t bits = ~std::uint64_t{0};
-    if (w == first) bits &= ~std::uint64_t{0} << (begin % 64);
-    if (w == last) bits &= ~std::uint64_t{0} >> (63 - (end - 1) % 64);
-    visit(w, bits);
-  }
-}
-
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "slicer/core/bit_spans.hpp"
 #include "slicer/layers/morphology.hpp"
 
 namespace plumbline {

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "slicer/core/bit_spans.hpp"
 #include "slicer/supports/near.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/pixels.hpp"
