@@ -9,9 +9,6 @@ namespace {
 
 constexpr const char* kStage = "checks";
 
-/// Newtons below which a rest is rounding.
-constexpr double kNothing = 1e-9;
-
 }  // namespace
 
 Expected<HoldNetwork> HoldNetwork::create(std::uint32_t most_ends, Arena& arena) {
@@ -29,9 +26,10 @@ Expected<HoldNetwork> HoldNetwork::create(std::uint32_t most_ends, Arena& arena)
   PLUMBLINE_TRY(take(network.joints_, joints));
   for (auto* ends : {&network.ends_, &network.below_}) PLUMBLINE_TRY(take(*ends, most_ends));
   for (auto* loads : {&network.load_, &network.rest_}) PLUMBLINE_TRY(take(*loads, most_ends));
-  for (auto* list : {&network.todo_, &network.level_, &network.current_, &network.queue_, &network.path_}) {
-    PLUMBLINE_TRY(take(*list, bodies));
-  }
+  PLUMBLINE_TRY(take(network.todo_, bodies));
+  std::span<std::uint32_t> lists[kListsOfVertices];
+  for (auto& list : lists) PLUMBLINE_TRY(take(list, bodies));
+  network.work_in(lists);
   PLUMBLINE_TRY(take(network.torn_, most_ends));
   network.clear();
   return network;
@@ -42,7 +40,8 @@ std::size_t HoldNetwork::bytes_needed(std::uint32_t most_ends) {
   const std::size_t joints = most_joints(most_ends);
   return Arena::rounded(bodies * sizeof(Body)) + Arena::rounded(2 * joints * sizeof(Arc)) +
          Arena::rounded(joints * sizeof(Joint)) + 2 * Arena::rounded(most_ends * sizeof(End)) +
-         2 * Arena::rounded(most_ends * sizeof(double)) + 5 * Arena::rounded(bodies * sizeof(std::uint32_t)) +
+         2 * Arena::rounded(most_ends * sizeof(double)) +
+         (1 + kListsOfVertices) * Arena::rounded(bodies * sizeof(std::uint32_t)) +
          Arena::rounded(most_ends * sizeof(std::uint32_t));
 }
 
@@ -234,7 +233,7 @@ void HoldNetwork::pull(std::span<const double> newtons,
   // More than is asked first: if that holds, the next look is due when some load has grown as much.
   const auto hold = [&](auto target) {
     for (std::uint32_t i = 0; i < end_count_; ++i) rest_[i] = target(i);
-    if (!carry()) return false;
+    if (!carry_rest()) return false;
     for (std::uint32_t i = 0; i < end_count_; ++i) ends_[i].holds = target(i);
     return true;
   };
@@ -251,93 +250,22 @@ void HoldNetwork::pull(std::span<const double> newtons,
 
 /// Sends rest_ to the plate, as far as the joints can carry it.
 /// @returns whether all arrived; else rest_ has what did not
-bool HoldNetwork::carry() {
+bool HoldNetwork::carry_rest() {
   for (Arc& arc : arcs_.first(2 * joint_count_)) arc.flow = 0;
-  while (find_levels()) {
-    for (std::uint32_t body = 0; body < body_count_; ++body) current_[body] = bodies_[body].first_arc;
-    for (std::uint32_t i = 0; i < end_count_; ++i) {
-      while (rest_[i] > kNothing) {
-        const double carried = augment(ends_[i].body, rest_[i]);
-        if (carried <= 0) break;
-        rest_[i] -= carried;
-      }
-    }
-  }
-  return std::none_of(rest_.begin(), rest_.begin() + end_count_, [](double rest) { return rest > kNothing; });
-}
-
-/// Breadth first from the plate against the flow.
-/// @returns whether it reached a load with a rest
-bool HoldNetwork::find_levels() {
-  std::fill_n(level_.begin(), body_count_, kNone);
-  std::uint32_t count = 0;
-  queue_[count++] = kPlate;
-  level_[kPlate] = 0;
-  for (std::uint32_t at = 0; at < count; ++at) {
-    const std::uint32_t here = queue_[at];
-    for (std::uint32_t arc = bodies_[here].first_arc; arc != kNone; arc = arcs_[arc].next) {
-      const std::uint32_t there = arcs_[arc].to;
-      if (level_[there] != kNone || room(arc ^ 1U) <= kNothing) continue;
-      level_[there] = level_[here] + 1;
-      queue_[count++] = there;
-    }
-  }
-  for (std::uint32_t i = 0; i < end_count_; ++i) {
-    if (rest_[i] > kNothing && level_[ends_[i].body] != kNone) return true;
-  }
-  return false;
-}
-
-/// Sends up to `most` along one path of falling levels to the plate.
-/// @returns what it sent
-double HoldNetwork::augment(std::uint32_t from, double most) {
-  std::uint32_t length = 0;
-  std::uint32_t here = from;
-  double carried = most;
-  while (here != kPlate) {
-    std::uint32_t& arc = current_[here];
-    while (arc != kNone && (level_[here] == kNone || level_[arcs_[arc].to] == kNone ||
-                            level_[arcs_[arc].to] + 1 != level_[here] || room(arc) <= kNothing)) {
-      arc = arcs_[arc].next;
-    }
-    if (arc != kNone) {
-      path_[length++] = arc;
-      here = arcs_[arc].to;
-      continue;
-    }
-    if (length == 0) return 0;
-    here = arcs_[path_[--length] ^ 1U].to;  // a dead end
-    current_[here] = arcs_[current_[here]].next;
-  }
-  for (std::uint32_t i = 0; i < length; ++i) carried = std::min(carried, room(path_[i]));
-  for (std::uint32_t i = 0; i < length; ++i) {
-    arcs_[path_[i]].flow += carried;
-    arcs_[path_[i] ^ 1U].flow -= carried;
-  }
-  return carried;
+  return carry(rest_.first(end_count_), [&](std::uint32_t i) { return ends_[i].body; });
 }
 
 /// Takes off the piece that a load which did not arrive can still reach.
 HoldNetwork::Tear HoldNetwork::tear_from(std::uint32_t body, std::uint32_t& torn_count) {
-  std::fill_n(level_.begin(), body_count_, kNone);
-  std::uint32_t count = 0;
-  queue_[count++] = body;
-  level_[body] = 0;
-  for (std::uint32_t at = 0; at < count; ++at) {
-    for (std::uint32_t arc = bodies_[queue_[at]].first_arc; arc != kNone; arc = arcs_[arc].next) {
-      if (level_[arcs_[arc].to] != kNone || room(arc) <= kNothing) continue;
-      level_[arcs_[arc].to] = 0;
-      queue_[count++] = arcs_[arc].to;
-    }
-  }
+  const auto piece = reach_from(body);
   Tear tear;
   double strongest = -1;
-  for (const std::uint32_t here : queue_.first(count)) {
+  for (const std::uint32_t here : piece) {
     tear.voxels += bodies_[here].voxels;
     for (std::uint32_t arc = bodies_[here].first_arc; arc != kNone; arc = bodies_[here].first_arc) {
       const Joint& joint = joints_[arc / 2];
       const std::uint32_t there = arcs_[arc].to;
-      if (level_[there] == kNone) {
+      if (!reached(there)) {
         tear.held_n += joint.newtons;
         if (joint.newtons > strongest) {
           strongest = joint.newtons;
@@ -350,7 +278,7 @@ HoldNetwork::Tear HoldNetwork::tear_from(std::uint32_t body, std::uint32_t& torn
     remove_body(here);
   }
   for (std::uint32_t i = 0; i < end_count_; ++i) {
-    if (ends_[i].body == kNone || level_[ends_[i].body] == kNone) continue;
+    if (ends_[i].body == kNone || !reached(ends_[i].body)) continue;
     tear.asked_n += std::exchange(load_[i], 0);
     ends_[i].body = kNone;
     torn_[torn_count++] = i;

@@ -8,6 +8,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
+#include "slicer/regions/max_flow.hpp"
 
 namespace plumbline {
 
@@ -18,8 +19,8 @@ namespace plumbline {
 /// one with the stronger joint if it has two. So a part without loops needs no more bodies than twice its ends, however high it is.
 ///
 /// Loads are carried if some way of sharing them keeps every joint within its strength (lower bound theorem of limit analysis). What tears
-/// is the smallest cut of the largest flow from the loads to the plate (Ford and Fulkerson 1962; Dinic 1970).
-class HoldNetwork {
+/// is the smallest cut of the largest flow from the loads to the plate.
+class HoldNetwork : private MaxFlow<HoldNetwork> {
  public:
   static constexpr double kUnbreakable = 1e12;
 
@@ -66,8 +67,7 @@ class HoldNetwork {
   void clear();
 
  private:
-  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  static constexpr std::uint32_t kPlate = 0;
+  friend MaxFlow;
   static std::size_t most_bodies(std::uint32_t most_ends) { return std::size_t{4} * most_ends; }
   static std::size_t most_joints(std::uint32_t most_ends) { return std::size_t{6} * most_ends; }
 
@@ -108,10 +108,13 @@ class HoldNetwork {
   void join_parallel(std::uint32_t a, std::uint32_t b, std::uint32_t joint);
   void extend(End& end, const Link& link, const Place& place, std::uint64_t voxels);
 
+  // For MaxFlow.
+  std::uint32_t vertices() const { return body_count_; }
+  std::uint32_t first_arc(std::uint32_t body) const { return bodies_[body].first_arc; }
+  Arc& arc(std::uint32_t i) const { return arcs_[i]; }
   double room(std::uint32_t arc) const { return joints_[arc / 2].newtons - arcs_[arc].flow; }
-  bool carry();
-  bool find_levels();
-  double augment(std::uint32_t from, double most);
+
+  bool carry_rest();
   Tear tear_from(std::uint32_t body, std::uint32_t& torn_count);
 
   std::span<Body> bodies_;
@@ -123,11 +126,8 @@ class HoldNetwork {
   std::uint32_t end_count_ = 0, below_count_ = 0;
   std::span<std::uint32_t> todo_;  ///< bodies that may be merged into others
   std::uint32_t todo_count_ = 0;
-  // Of carry().
-  std::span<double> load_, rest_;                 ///< of an end
-  std::span<std::uint32_t> level_;                ///< of a body: arcs to the plate
-  std::span<std::uint32_t> current_;              ///< of a body: the next arc to try
-  std::span<std::uint32_t> queue_, path_, torn_;  ///< bodies; arcs; ends
+  std::span<double> load_, rest_;  ///< of an end
+  std::span<std::uint32_t> torn_;  ///< ends
 };
 
 }  // namespace plumbline

@@ -3,12 +3,6 @@
 #include <algorithm>
 
 namespace plumbline {
-namespace {
-
-/// Newtons below which a rest is rounding.
-constexpr double kNothing = 1e-9;
-
-}  // namespace
 
 HoldGraph::HoldGraph() {
   // The plate's two vertices are one: nothing tears between them.
@@ -59,13 +53,13 @@ std::vector<HoldGraph::Tear> HoldGraph::pull(std::span<const Load> loads) {
   if (std::all_of(loads.begin(), loads.end(), surely)) return {};
   // Twice the load first: if that holds, the next look is due when some load has doubled.
   for (const double factor : {2.0, 1.0}) {
-    if (!carry(loads, factor)) continue;
+    if (!carry_all(loads, factor)) continue;
     for (const Load& load : loads) limbs_[load.limb].holds = factor * load.newtons;
     return {};
   }
   std::vector<Tear> tears;
   std::vector<Load> left(loads.begin(), loads.end());
-  while (!carry(left, 1)) {
+  while (!carry_all(left, 1)) {
     const auto worst = std::find_if(rest_.begin(), rest_.end(), [](double rest) { return rest > kNothing; });
     const Load& load = left[static_cast<std::size_t>(worst - rest_.begin())];
     tears.push_back(tear_from(2 * load.limb + 1, left));
@@ -75,91 +69,23 @@ std::vector<HoldGraph::Tear> HoldGraph::pull(std::span<const Load> loads) {
   return tears;
 }
 
-bool HoldGraph::carry(std::span<const Load> loads, double factor) {
+bool HoldGraph::carry_all(std::span<const Load> loads, double factor) {
   for (Arc& arc : arcs_) arc.flow = 0;
   rest_.clear();
   for (const Load& load : loads) rest_.push_back(load.newtons * factor);
-  while (find_levels(loads)) {
-    std::copy(first_arc_.begin(), first_arc_.end(), current_.begin());
-    for (std::size_t i = 0; i < loads.size(); ++i) {
-      while (rest_[i] > kNothing) {
-        const double carried = augment(2 * loads[i].limb + 1, rest_[i]);
-        if (carried <= 0) break;
-        rest_[i] -= carried;
-      }
-    }
-  }
-  return std::none_of(rest_.begin(), rest_.end(), [](double rest) { return rest > kNothing; });
-}
-
-// Breadth first from the plate against the flow. @returns whether it reached a load with a rest
-bool HoldGraph::find_levels(std::span<const Load> loads) {
-  level_.assign(first_arc_.size(), kNone);
-  current_.resize(first_arc_.size());
-  queue_.assign(1, kPlate);
-  level_[kPlate] = 0;
-  for (std::size_t at = 0; at < queue_.size(); ++at) {
-    const std::uint32_t here = queue_[at];
-    for (std::uint32_t arc = first_arc_[here]; arc != kNone; arc = arcs_[arc].next) {
-      const std::uint32_t there = arcs_[arc].to;
-      if (level_[there] != kNone || room(arc ^ 1U) <= kNothing) continue;
-      level_[there] = level_[here] + 1;
-      queue_.push_back(there);
-    }
-  }
-  for (std::size_t i = 0; i < loads.size(); ++i) {
-    if (rest_[i] > kNothing && level_[2 * loads[i].limb + 1] != kNone) return true;
-  }
-  return false;
-}
-
-// Sends up to `most` along one path of falling levels to the plate. @returns what it sent
-double HoldGraph::augment(std::uint32_t from, double most) {
-  path_.clear();
-  std::uint32_t here = from;
-  while (here != kPlate) {
-    std::uint32_t& arc = current_[here];
-    while (arc != kNone && (level_[here] == kNone || level_[arcs_[arc].to] == kNone ||
-                            level_[arcs_[arc].to] + 1 != level_[here] || room(arc) <= kNothing)) {
-      arc = arcs_[arc].next;
-    }
-    if (arc != kNone) {
-      path_.push_back(arc);
-      here = arcs_[arc].to;
-      continue;
-    }
-    if (path_.empty()) return 0;
-    here = arcs_[path_.back() ^ 1U].to;  // a dead end
-    path_.pop_back();
-    current_[here] = arcs_[current_[here]].next;
-  }
-  double carried = most;
-  for (const std::uint32_t arc : path_) carried = std::min(carried, room(arc));
-  for (const std::uint32_t arc : path_) {
-    arcs_[arc].flow += carried;
-    arcs_[arc ^ 1U].flow -= carried;
-  }
-  return carried;
+  for (auto& list : lists_) list.resize(first_arc_.size());
+  work_in({lists_[0], lists_[1], lists_[2], lists_[3]});
+  return carry(rest_, [&](std::uint32_t i) { return 2 * loads[i].limb + 1; });
 }
 
 HoldGraph::Tear HoldGraph::tear_from(std::uint32_t vertex, std::span<const Load> loads) {
-  // The piece is what a load that did not arrive can still reach.
-  std::vector<bool> in_piece(first_arc_.size(), false);
-  queue_.assign(1, vertex);
-  in_piece[vertex] = true;
-  for (std::size_t at = 0; at < queue_.size(); ++at) {
-    for (std::uint32_t arc = first_arc_[queue_[at]]; arc != kNone; arc = arcs_[arc].next) {
-      if (in_piece[arcs_[arc].to] || room(arc) <= kNothing) continue;
-      in_piece[arcs_[arc].to] = true;
-      queue_.push_back(arcs_[arc].to);
-    }
-  }
+  const auto piece = reach_from(vertex);
   Tear tear;
   double strongest = -1;
-  for (const std::uint32_t here : queue_) {
+  for (const std::uint32_t here : piece) {
     for (std::uint32_t a = first_arc_[here]; a != kNone; a = arcs_[a].next) {
       Arc& arc = arcs_[a];
-      if (in_piece[arc.to] || arc.newtons <= 0) continue;
+      if (reached(arc.to) || arc.newtons <= 0) continue;
       tear.held_n += arc.newtons;
       if (arc.newtons > strongest) {
         strongest = arc.newtons;
@@ -169,10 +95,10 @@ HoldGraph::Tear HoldGraph::tear_from(std::uint32_t vertex, std::span<const Load>
       arc.newtons = arcs_[a ^ 1U].newtons = 0;
     }
   }
-  for (const std::uint32_t here : queue_) {
+  for (const std::uint32_t here : piece) {
     Limb& limb = limbs_[here / 2];
-    const bool top = in_piece[here & ~1U];
-    const bool bottom = in_piece[here | 1U];
+    const bool top = reached(here & ~1U);
+    const bool bottom = reached(here | 1U);
     const bool at_top = (here & 1U) == 0;
     tear.mm3 += at_top ? limb.above_mm3 : limb.below_mm3;
     const bool lost_before = limb.lost_from != kNone;  // then it was the other part
@@ -180,7 +106,7 @@ HoldGraph::Tear HoldGraph::tear_from(std::uint32_t vertex, std::span<const Load>
     limb.lost_to = bottom || lost_before ? kNone : limb.neck.layer;
   }
   for (std::uint32_t i = 0; i < loads.size(); ++i) {
-    if (!in_piece[2 * loads[i].limb + 1]) continue;
+    if (!reached(2 * loads[i].limb + 1)) continue;
     tear.asked_n += loads[i].newtons;
     tear.loads.push_back(i);
   }

@@ -2,9 +2,10 @@
 /// What every region of a part hangs from, and how much that holds.
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
+
+#include "slicer/regions/max_flow.hpp"
 
 namespace plumbline {
 
@@ -14,9 +15,8 @@ namespace plumbline {
 /// weakest joint, its neck, matters; so memory grows with the places where regions split or merge, not with layers.
 ///
 /// Loads are carried if some way of sharing them keeps every joint within its strength: the lower bound theorem of limit analysis
-/// for tough material. The largest load is then the largest flow from the loads to the plate, and what tears is the smallest cut
-/// (L. R. Ford, D. R. Fulkerson, Flows in Networks, 1962). Flows are found with E. A. Dinic's algorithm (1970).
-class HoldGraph {
+/// for tough material. The largest load is then the largest flow from the loads to the plate, and what tears is the smallest cut.
+class HoldGraph : private MaxFlow<HoldGraph> {
  public:
   static constexpr std::uint32_t kPlate = 0;  ///< a limb that every pull ends at
   static constexpr double kUnbreakable = 1e12;
@@ -62,7 +62,7 @@ class HoldGraph {
   bool any_lost() const { return any_lost_; }
 
  private:
-  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  friend MaxFlow;
   /// A limb has two vertices, 2 limb at its top and 2 limb + 1 at its bottom, with its neck between them.
   struct Limb {
     Place begin = {};
@@ -81,22 +81,22 @@ class HoldGraph {
     double flow = 0;             ///< the other half's is its negative
   };
 
-  void add_edge(std::uint32_t above, std::uint32_t below, double newtons);
+  // For MaxFlow.
+  std::uint32_t vertices() const { return static_cast<std::uint32_t>(first_arc_.size()); }
+  std::uint32_t first_arc(std::uint32_t vertex) const { return first_arc_[vertex]; }
+  Arc& arc(std::uint32_t i) { return arcs_[i]; }
   double room(std::uint32_t arc) const { return arcs_[arc].newtons - arcs_[arc].flow; }
+
+  void add_edge(std::uint32_t above, std::uint32_t below, double newtons);
   /// Sends each load's newtons times `factor` to the plate, as far as they can. @returns whether all arrived; else rest_ has what did not
-  bool carry(std::span<const Load> loads, double factor);
-  bool find_levels(std::span<const Load> loads);
-  double augment(std::uint32_t from, double most);
+  bool carry_all(std::span<const Load> loads, double factor);
   Tear tear_from(std::uint32_t vertex, std::span<const Load> loads);
 
   std::vector<Limb> limbs_;
   std::vector<std::uint32_t> first_arc_;  ///< of a vertex
   std::vector<Arc> arcs_;
   bool any_lost_ = false;
-  // Of carry().
-  std::vector<std::uint32_t> level_;    ///< of a vertex: arcs to the plate
-  std::vector<std::uint32_t> current_;  ///< of a vertex: the next arc to try
-  std::vector<std::uint32_t> queue_, path_;
+  std::vector<std::uint32_t> lists_[kListsOfVertices];  ///< of MaxFlow
   std::vector<double> rest_;
 };
 
