@@ -70,13 +70,13 @@ void TearFinder::next(std::uint32_t layer, const LayerRegions& stayed, const Reg
     std::uint64_t pixels = 0;
     std::fill_n(is_torn_.begin(), held_count_, false);
     for (const std::uint32_t end : ends) {
-      pixels += stayed.area(held_[end].region);
+      pixels += stayed.area(held_[end].shape.region);
       is_torn_[end] = true;
     }
     on_tear(tear, pixels);
   });
   for (std::uint32_t end = 0; end < held_count_; ++end) {
-    if (network_.torn(end)) number[held_[end].region] = kTorn;
+    if (network_.torn(end)) number[held_[end].shape.region] = kTorn;
   }
 }
 
@@ -98,54 +98,24 @@ bool TearFinder::number_regions(const LayerRegions& stayed) {
   const auto& number = number_[layer_ % 2];
   number[LayerRegions::kOutside] = 0;
   hollow_count_ = old_hollows_;
-  std::uint32_t above = 0, above_end = 0;  // white runs of the row before
-  for (std::uint32_t r = 0; r < stayed.rows(); ++r) {
-    const std::uint32_t begin = stayed.row_begin(r);
-    const std::uint32_t end = stayed.row_begin(r + 1);
-    std::uint32_t k = std::exchange(above, begin + 1);
-    const std::uint32_t k_end = std::exchange(above_end, end);
-    if (end - begin == 1) continue;  // a black row
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const LayerRegions::Run run = stayed.run(i);
-      const std::uint32_t region = stayed.region(i);
-      if (!stayed.white(r, i)) {
-        if (region != i || run.first > run.last) continue;
-        if (hollow_count_ == hollows_.size()) return false;
-        const std::uint64_t pixels = stayed.area(region);
-        hollows_[hollow_count_] = {.parent = hollow_count_,
-                                   .region = region,
-                                   .plate_pixels = layer_ == 0 ? pixels : 0,
-                                   .mouth_pixels = pixels};
-        // Above a layer of which nothing is known all air is open.
-        if (layer_ > 0 && !hangs_) hollows_[hollow_count_].parent = 0;
-        number[region] = static_cast<std::uint16_t>(hollow_count_++);
-        continue;
-      }
-      if (region == i) {
-        if (held_count_ == held_.size()) return false;
-        held_[held_count_] = {.region = region};
-        number[region] = static_cast<std::uint16_t>(held_count_++);
-      }
-      Held& held = held_[number[region]];
-      const std::uint32_t pixels = run.last + 1U - run.first;
-      // Above and below, less the sides that two of its rows share, which both count.
-      std::uint32_t shared = 0;
-      for (; k < k_end; k += 2) {
-        const LayerRegions::Run other = stayed.run(k);
-        const std::uint32_t from = std::max(run.first, other.first);
-        const std::uint32_t to = std::min(run.last, other.last) + 1U;
-        if (from < to) shared += to - from;
-        if (other.last > run.last) break;
-      }
-      held.sides_x += 2 * (pixels - shared);
-      held.sides_y += 2;
-      if (pixels <= held.width) continue;
-      held.width = pixels;
-      held.row = r;
-      held.column = run.first + pixels / 2;
+  const auto begin = [&](std::uint32_t region, bool white) {
+    if (white) {
+      if (held_count_ == held_.size()) return false;
+      held_[held_count_] = {.shape = {.region = region}};
+      number[region] = static_cast<std::uint16_t>(held_count_++);
+      return true;
     }
-  }
-  return true;
+    if (hollow_count_ == hollows_.size()) return false;
+    const std::uint64_t pixels = stayed.area(region);
+    hollows_[hollow_count_] = {
+        .parent = hollow_count_, .region = region, .plate_pixels = layer_ == 0 ? pixels : 0, .mouth_pixels = pixels};
+    // Above a layer of which nothing is known all air is open.
+    if (layer_ > 0 && !hangs_) hollows_[hollow_count_].parent = 0;
+    number[region] = static_cast<std::uint16_t>(hollow_count_++);
+    return true;
+  };
+  return measure_regions(
+      stayed, begin, [&](std::uint32_t region) -> auto& { return held_[number[region]].shape; });
 }
 
 bool TearFinder::find_contacts(const RegionContacts& touches) {
@@ -214,7 +184,7 @@ bool TearFinder::hang_up(const LayerRegions& stayed, double plate_n_mm2) {
   for (const Contact& contact : contacts_.first(contact_count_)) network_.announce_link(contact.below);
   for (std::uint32_t i = 0; i < held_count_; ++i) {
     const Held& held = held_[i];
-    const std::uint32_t pixels = stayed.area(held.region);
+    const std::uint32_t pixels = stayed.area(held.shape.region);
     std::uint32_t count = 0;
     for (std::uint32_t at = held.first_contact; at != kNone; at = contacts_[at].next) {
       const Contact& contact = contacts_[at];
@@ -222,10 +192,11 @@ bool TearFinder::hang_up(const LayerRegions& stayed, double plate_n_mm2) {
                          static_cast<double>(contact.pixels) / below_pixels_[contact.below]};
     }
     const double mm2 = pixels * pixel_mm2_;
-    if (!network_.add_end(links_.first(count), plate_n_mm2 * mm2, {layer_, held.column, held.row}, pixels))
+    if (!network_.add_end(links_.first(count), plate_n_mm2 * mm2, {layer_, held.shape.column, held.shape.row}, pixels))
       return false;
-    newtons_[i] = peel_.force(mm2, PeelSettings::outline_mm(held.sides_x * pitch_x_mm_, held.sides_y * pitch_y_mm_),
-                              held.sealed_mm2);
+    newtons_[i] =
+        peel_.force(mm2, PeelSettings::outline_mm(held.shape.sides_x * pitch_x_mm_, held.shape.sides_y * pitch_y_mm_),
+                    held.sealed_mm2);
   }
   network_.end_layer();
   return true;

@@ -14,6 +14,7 @@
 #include "slicer/regions/hold_network.hpp"
 #include "slicer/regions/layer_regions.hpp"
 #include "slicer/regions/region_contacts.hpp"
+#include "slicer/regions/region_shapes.hpp"
 
 namespace plumbline {
 
@@ -43,10 +44,8 @@ class TearFinder {
 
   /// A white region of the newest layer.
   struct Held {
-    std::uint32_t region = 0;
-    std::uint32_t column = 0, row = 0, width = 0;  ///< middle of its widest run
-    std::uint32_t sides_x = 0, sides_y = 0;        ///< of its outline, pixels
-    double sealed_mm2 = 0;                         ///< mouths of cavities that it carries
+    RegionShape shape;
+    double sealed_mm2 = 0;  ///< mouths of cavities that it carries
     std::uint32_t first_contact = kNone;
   };
   struct Contact {

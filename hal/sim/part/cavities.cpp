@@ -7,12 +7,10 @@
 
 namespace plumbline {
 
-void Cavities::next_layer(const PixelRuns& white, std::uint32_t columns, bool first, std::uint32_t layer,
-                          double pixel_mm3) {
+void Cavities::next_layer(const PartRegions& before_layer, const PartRegions& here_layer, bool first,
+                          std::uint32_t layer, double pixel_mm3) {
   if (first) cavities_.clear();
-  std::swap(here_, before_);
-  here_.find_black(white, columns);
-  const auto regions = here_.regions();
+  const auto regions = here_layer.black();
   if (cavities_.empty() && regions.size() <= 1) return;
 
   // Sets of: the outside, the cavities so far, the regions of this layer.
@@ -26,26 +24,16 @@ void Cavities::next_layer(const PixelRuns& white, std::uint32_t columns, bool fi
   const auto before = [&](std::uint32_t region) { return region == 0 ? 0 : 1 + of_region_[region]; };
   const auto here = [&](std::uint32_t region) { return region == 0 ? 0 : old + region; };
   for (std::uint32_t i = 1; i < count; ++i) {
+    const std::uint32_t pixels = here_layer.runs().area(regions[i]);
     all[here(i)] = {.vented = false,
                     .on_plate = first,
-                    .plate_pixels = first ? regions[i].pixels : 0,
-                    .mouth_pixels = regions[i].pixels,
-                    .mm3 = regions[i].pixels * pixel_mm3,
-                    .column = regions[i].column,
-                    .row = regions[i].row};
+                    .plate_pixels = first ? pixels : 0,
+                    .mouth_pixels = pixels,
+                    .mm3 = pixels * pixel_mm3};
   }
   if (!first) {
-    for_each_contact(before_, here_,
+    for_each_contact(before_layer, here_layer, false,
                      [&](std::uint32_t a, std::uint32_t b, std::uint32_t) { sets.unite(before(a), here(b)); });
-    // Beyond the rows of a layer is the outside.
-    const auto join_beyond = [&](const PixelRuns& runs, const PixelRuns& other, auto index) {
-      runs.for_each_run_of([](std::uint32_t region) { return region > 0; },
-                           [&](std::uint32_t row, const PixelRuns::Run& run) {
-                             if (row < other.first_row() || row >= other.end_row()) sets.unite(0, index(run.region));
-                           });
-    };
-    if (old > 0) join_beyond(before_, here_, before);
-    join_beyond(here_, before_, here);
   }
   sets.flatten(sets.size());
 
@@ -58,33 +46,27 @@ void Cavities::next_layer(const PixelRuns& white, std::uint32_t columns, bool fi
     sum.plate_pixels += all[i].plate_pixels;
     if (i > old) sum.mouth_pixels += all[i].mouth_pixels;
     sum.mm3 += all[i].mm3;
-    if (i > old || sum.mm3 == all[i].mm3) {
-      sum.column = all[i].column;
-      sum.row = all[i].row;
-    }
   }
-  std::vector<std::uint32_t> cavity_of_root(all.size(), PixelRuns::kNone);
+  std::vector<std::uint32_t> cavity_of_root(all.size(), LayerRegions::kNone);
   cavities_.clear();
   of_region_.assign(count, 0);
   for (std::uint32_t i = 1; i < count; ++i) {
     // Regions that meet the outside stay apart from each other: each is vented by itself.
     const std::uint32_t root = sets.root(here(i));
     std::uint32_t& cavity = cavity_of_root[root == 0 ? here(i) : root];
-    if (cavity == PixelRuns::kNone) {
+    if (cavity == LayerRegions::kNone) {
       cavity = static_cast<std::uint32_t>(cavities_.size());
       cavities_.push_back(sums[root]);
     }
     of_region_[i] = cavity;
   }
   for (std::uint32_t i = 1; i <= old; ++i) {
-    if (sets.root(i) != i || cavity_of_root[i] != PixelRuns::kNone) continue;
+    if (sets.root(i) != i || cavity_of_root[i] != LayerRegions::kNone) continue;
     const Cavity& ended = sums[i];
     if (ended.vented || ended.on_plate) continue;
     ++traps_;
     trapped_mm3_ += ended.mm3;
-    if (ended.mm3 > largest_.mm3) {
-      largest_ = {.layer = layer - 1, .column = ended.column, .row = ended.row, .mm3 = ended.mm3};
-    }
+    if (ended.mm3 > largest_.mm3) largest_ = {.layer = layer - 1, .mm3 = ended.mm3};
   }
 }
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hal/sim/part/pixel_runs.hpp"
+#include "hal/sim/part/part_regions.hpp"
 #include "slicer/core/resin/peel_force.hpp"
 
 namespace plumbline {
@@ -17,18 +17,16 @@ class Cavities {
  public:
   /// Largest of the traps.
   struct Trap {
-    std::uint32_t layer = 0, column = 0, row = 0;  ///< its last layer, and the middle of the widest run there
+    std::uint32_t layer = 0;  ///< its last one
     double mm3 = 0;
   };
 
   /// Takes the next layer.
-  /// @param white      its white regions
-  /// @param columns    of the image
+  /// @param before     the layer before
   /// @param first      it is on the plate
   /// @param pixel_mm3  volume of a pixel in it
-  void next_layer(const PixelRuns& white, std::uint32_t columns, bool first, std::uint32_t layer, double pixel_mm3);
-  /// The black regions of the last layer; 0 is the outside.
-  const PixelRuns& black() const { return here_; }
+  void next_layer(const PartRegions& before, const PartRegions& here, bool first, std::uint32_t layer,
+                  double pixel_mm3);
   /// Whether a black region of the last layer is the mouth of a sealed cavity.
   bool sealed(std::uint32_t region) const { return region > 0 && !cavities_[of_region_[region]].vented; }
   bool any() const { return !cavities_.empty(); }
@@ -50,12 +48,10 @@ class Cavities {
     std::uint64_t plate_pixels = 0;  ///< of its ceiling that are plate
     std::uint64_t mouth_pixels = 0;  ///< in the last layer
     double mm3 = 0;
-    std::uint32_t column = 0, row = 0;  ///< of a region in the last layer
   };
 
-  PixelRuns here_, before_;               ///< black runs of the last layer and the one above it
   std::vector<Cavity> cavities_;          ///< that reach the last layer
-  std::vector<std::uint32_t> of_region_;  ///< cavity of each region of the last layer; none for the outside
+  std::vector<std::uint32_t> of_region_;  ///< cavity of each black region of the last layer; none for the outside
   std::vector<std::uint32_t> parents_;
   double trapped_mm3_ = 0;
   std::uint32_t traps_ = 0;

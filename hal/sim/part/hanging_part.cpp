@@ -48,12 +48,12 @@ void HangingPart::add_layer(std::uint32_t layer, double height_mm, double deep_m
   std::swap(asked_, asked_above_);
   std::swap(loss_, loss_above_);
   loss_.clear();
-  here_.find_white(lit);
+  here_.find(lit);
   const bool all_held = find_contacts();
   const bool shaded = !clean_ && meet(asked, film());
   if (!all_held || shaded || !loss_above_.empty()) drop_what_is_loose(height_mm, lit, asked);
   hang_up(height_mm, std::max(0.0, deep_mm - height_mm));
-  cavities_.next_layer(here_, build_.columns, first_, layer, pixel_mm2_ * height_mm);
+  cavities_.next_layer(above_, here_, first_, layer, pixel_mm2_ * height_mm);
   peel(lit, asked);
   remember();
   first_ = false;
@@ -61,12 +61,11 @@ void HangingPart::add_layer(std::uint32_t layer, double height_mm, double deep_m
 
 // @returns whether all regions are held
 bool HangingPart::find_contacts() {
-  const auto regions = here_.regions();
   contacts_.clear();
-  first_contact_.assign(regions.size(), kNone);
+  first_contact_.assign(here_.white().size(), kNone);
   if (first_) return true;
-  below_.assign(above_.regions().size(), {});
-  for_each_contact(above_, here_, [&](std::uint32_t a, std::uint32_t b, std::uint32_t pixels) {
+  below_.assign(above_.white().size(), {});
+  for_each_contact(above_, here_, true, [&](std::uint32_t a, std::uint32_t b, std::uint32_t pixels) {
     if (limb_above_[a] == kNone) return;
     below_[a].pixels += pixels;
     std::uint32_t at = first_contact_[b];
@@ -83,59 +82,58 @@ bool HangingPart::find_contacts() {
 }
 
 void HangingPart::drop_what_is_loose(double height_mm, BitImage lit, ConstBitImage asked) {
-  asked_.find_white(asked);
-  const auto wanted = asked_.regions();
+  asked_.find(asked);
+  const auto wanted = asked_.white();
   loss_.assign(wanted.size(), kNone);
   std::vector<std::uint32_t> stays(wanted.size(), 0);  // pixels
   const auto held = [&](std::uint32_t region) { return first_ || first_contact_[region] != kNone; };
-  const auto regions = here_.regions();
   bool any_loose = false;
-  for (std::uint32_t r = 0; r < regions.size(); ++r) {
-    if (held(r)) {
-      stays[asked_.region_at(regions[r].column, regions[r].row)] += regions[r].pixels;
+  for (const RegionShape& shape : here_.white()) {
+    if (held(here_.number(shape.region))) {
+      stays[asked_.number_at(shape.column, shape.row)] += here_.pixels(shape);
     } else {
       any_loose = true;
     }
   }
   if (!loss_above_.empty()) {
-    for_each_contact(asked_above_, asked_, [&](std::uint32_t a, std::uint32_t b, std::uint32_t) {
+    for_each_contact(asked_above_, asked_, true, [&](std::uint32_t a, std::uint32_t b, std::uint32_t) {
       if (stays[b] == 0 && loss_above_[a] != kNone) loss_[b] = join(loss_[b], loss_above_[a]);
     });
   }
   for (std::uint32_t r = 0; r < wanted.size(); ++r) {
-    const PixelRuns::Region& region = wanted[r];
+    const RegionShape& shape = wanted[r];
+    const std::uint32_t pixels = asked_.pixels(shape);
     if (loss_[r] != kNone) loss_[r] = joined(loss_[r]);
-    if (stays[r] == region.pixels) continue;
+    if (stays[r] == pixels) continue;
     if (stays[r] == 0) {
-      if (loss_[r] == kNone) loss_[r] = new_loss(LossKind::kDropped, region);
-      take(loss_[r], ml(region.pixels, height_mm));
+      if (loss_[r] == kNone) loss_[r] = new_loss(LossKind::kDropped, shape.column, shape.row, pixels);
+      take(loss_[r], ml(pixels, height_mm));
     } else {
-      if (shadow_ == kNone) shadow_ = new_loss(LossKind::kShadowed, region);
-      take(shadow_, ml(region.pixels - stays[r], height_mm));
+      if (shadow_ == kNone) shadow_ = new_loss(LossKind::kShadowed, shape.column, shape.row, pixels);
+      take(shadow_, ml(pixels - stays[r], height_mm));
     }
   }
   if (!any_loose) return;
-  here_.for_each_run_of([&](std::uint32_t region) { return !held(region); },
-                        [&](std::uint32_t row, const PixelRuns::Run& run) { lay_on_film(row, run, lit); });
-  here_.find_white(lit);
+  lay_on_film(lit, [&](std::uint32_t region) { return !held(region); });
+  here_.find(lit);
   find_contacts();
 }
 
 void HangingPart::hang_up(double height_mm, double bleed_mm) {
-  const auto regions = here_.regions();
+  const auto regions = here_.white();
   limb_.assign(regions.size(), kNone);
   std::vector<HoldGraph::Joint> joints;
   for (std::uint32_t r = 0; r < regions.size(); ++r) {
-    const PixelRuns::Region& region = regions[r];
-    const HoldGraph::Place place{nth(), region.column, region.row};
-    const double mm3 = region.pixels * pixel_mm2_ * height_mm;
+    const std::uint32_t pixels = here_.pixels(regions[r]);
+    const HoldGraph::Place place{nth(), regions[r].column, regions[r].row};
+    const double mm3 = pixels * pixel_mm2_ * height_mm;
     if (first_) {
-      const double holds = on_part_ ? HoldGraph::kUnbreakable : build_.peel.plate_n(region.pixels * pixel_mm2_);
+      const double holds = on_part_ ? HoldGraph::kUnbreakable : build_.peel.plate_n(pixels * pixel_mm2_);
       const HoldGraph::Joint to_plate{.limb = HoldGraph::kPlate, .newtons = holds};
       limb_[r] = graph_.begin_limb({&to_plate, 1}, place, mm3);
       continue;
     }
-    std::uint32_t new_pixels = region.pixels;
+    std::uint32_t new_pixels = pixels;
     joints.clear();
     for (std::uint32_t at = first_contact_[r]; at != kNone; at = contacts_[at].next) {
       const Contact& contact = contacts_[at];
@@ -156,18 +154,18 @@ void HangingPart::hang_up(double height_mm, double bleed_mm) {
 }
 
 void HangingPart::peel(BitImage lit, ConstBitImage asked) {
-  const auto regions = here_.regions();
+  const auto regions = here_.white();
   suction_mm2_ = 0;
   double plate_mm2 = 0;  // of mouths whose suction the plate carries
   sealed_mm2_.assign(regions.size(), 0);
-  const auto gaps = cavities_.black().regions();
+  const auto gaps = here_.black();
   for (std::uint32_t gap = 1; cavities_.any() && gap < gaps.size(); ++gap) {
     if (!cavities_.sealed(gap)) continue;
-    const double mouth = gaps[gap].pixels * pixel_mm2_;
+    const double mouth = here_.runs().area(gaps[gap]) * pixel_mm2_;
     // Where the plate is the ceiling, it is pulled at and no joint. Of a part that is hung on, the ceiling is unknown.
     const double carried = on_part_ ? mouth : mouth * cavities_.share_of_part(gap);
-    // The white pixel to the left of its first run is in the region round it: what stands within has a row of the gap above it.
-    sealed_mm2_[here_.region_at(gaps[gap].top_begin - 1, gaps[gap].top_row)] += carried;
+    // The white run to the left of its first one is in the region round it: what stands within has a row of the gap above it.
+    sealed_mm2_[here_.number(here_.runs().region(gaps[gap] - 1))] += carried;
     suction_mm2_ += mouth;
     plate_mm2 += mouth - carried;
   }
@@ -176,7 +174,7 @@ void HangingPart::peel(BitImage lit, ConstBitImage asked) {
   for (std::uint32_t r = 0; r < regions.size(); ++r) {
     const double outline =
         PeelSettings::outline_mm(regions[r].sides_x * build_.pitch_x_mm, regions[r].sides_y * build_.pitch_y_mm);
-    const double newtons = build_.peel.force(regions[r].pixels * pixel_mm2_, outline, sealed_mm2_[r]);
+    const double newtons = build_.peel.force(here_.pixels(regions[r]) * pixel_mm2_, outline, sealed_mm2_[r]);
     peel_n_ += newtons;
     loads_.push_back({.limb = limb_[r], .newtons = newtons});
   }
@@ -187,36 +185,33 @@ void HangingPart::peel(BitImage lit, ConstBitImage asked) {
 
 void HangingPart::tear_off(const HoldGraph::Tear& tear, BitImage lit, ConstBitImage asked) {
   if (loss_.empty()) {  // all stayed until now
-    asked_.find_white(asked);
-    loss_.assign(asked_.regions().size(), kNone);
+    asked_.find(asked);
+    loss_.assign(asked_.white().size(), kNone);
   }
-  const auto regions = here_.regions();
-  PixelRuns::Region place;
-  place.column = tear.place.column;
-  place.row = tear.place.row;
+  const auto regions = here_.white();
+  std::uint64_t pixels = 0;
   for (const std::uint32_t r : tear.loads) {
     limb_[r] = kNone;
-    place.pixels += regions[r].pixels;
+    pixels += here_.pixels(regions[r]);
   }
-  const std::uint32_t loss = new_loss(LossKind::kTorn, place);
+  const std::uint32_t loss = new_loss(LossKind::kTorn, tear.place.column, tear.place.row, pixels);
   losses_[loss].layer = layers_[tear.place.layer];
   losses_[loss].asked_n = tear.asked_n;
   losses_[loss].held_n = tear.held_n;
   take(loss, tear.mm3 / 1000);
   // A region of the masks is lost with the last of its regions that were held.
-  const auto home = [&](std::uint32_t r) { return asked_.region_at(regions[r].column, regions[r].row); };
+  const auto home = [&](std::uint32_t r) { return asked_.number_at(regions[r].column, regions[r].row); };
   for (const std::uint32_t r : tear.loads) loss_[home(r)] = loss;
   for (std::uint32_t r = 0; r < regions.size(); ++r) {
     if (limb_[r] != kNone && loss_[home(r)] == loss) loss_[home(r)] = kNone;
   }
-  here_.for_each_run_of(
-      [&](std::uint32_t region) { return std::binary_search(tear.loads.begin(), tear.loads.end(), region); },
-      [&](std::uint32_t row, const PixelRuns::Run& run) { lay_on_film(row, run, lit); });
+  lay_on_film(lit, [&](std::uint32_t region) { return std::ranges::binary_search(tear.loads, region); });
 }
 
-void HangingPart::lay_on_film(std::uint32_t row, const PixelRuns::Run& run, BitImage lit) {
-  fill(lit, row, run, false);
-  fill(BitImage(film_, build_.columns, build_.rows), row, run, true);
+template <class Which>
+void HangingPart::lay_on_film(BitImage lit, Which which) {
+  here_.fill(lit, false, which);
+  here_.fill(BitImage(film_, build_.columns, build_.rows), true, which);
   clean_ = false;
 }
 
@@ -238,13 +233,13 @@ std::uint32_t HangingPart::join(std::uint32_t a, std::uint32_t b) {
   return a;
 }
 
-std::uint32_t HangingPart::new_loss(LossKind kind, const PixelRuns::Region& region) {
+std::uint32_t HangingPart::new_loss(LossKind kind, std::uint32_t column, std::uint32_t row, std::uint64_t pixels) {
   losses_.push_back({.kind = kind,
                      .layer = layers_.back(),
                      .last_layer = layers_.back(),
-                     .x_mm = (region.column + 0.5) * build_.pitch_x_mm,
-                     .y_mm = (region.row + 0.5) * build_.pitch_y_mm,
-                     .pixels = region.pixels});
+                     .x_mm = (column + 0.5) * build_.pitch_x_mm,
+                     .y_mm = (row + 0.5) * build_.pitch_y_mm,
+                     .pixels = pixels});
   return static_cast<std::uint32_t>(losses_.size() - 1);
 }
 
@@ -266,11 +261,10 @@ void HangingPart::remove_lost(std::size_t nth, BitImage stayed) const {
   assert(build_.remember);
   if (nth >= remembered_at_.size()) return;  // not judged
   const std::uint32_t* limbs = remembered_.data() + remembered_at_[nth];
-  PixelRuns runs;
-  runs.find_white(stayed);
-  runs.for_each_run_of(
-      [&](std::uint32_t region) { return graph_.lost(limbs[region], static_cast<std::uint32_t>(nth)); },
-      [&](std::uint32_t row, const PixelRuns::Run& run) { fill(stayed, row, run, false); });
+  PartRegions regions;
+  regions.find(stayed);
+  regions.fill(stayed, false,
+               [&](std::uint32_t region) { return graph_.lost(limbs[region], static_cast<std::uint32_t>(nth)); });
 }
 
 }  // namespace plumbline

@@ -8,7 +8,7 @@
 #include "hal/sim/part/cavities.hpp"
 #include "hal/sim/part/hold_graph.hpp"
 #include "hal/sim/part/loss.hpp"
-#include "hal/sim/part/pixel_runs.hpp"
+#include "hal/sim/part/part_regions.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/resin/peel_force.hpp"
 
@@ -63,7 +63,7 @@ class HangingPart {
   bool any_torn() const { return graph_.any_lost(); }
 
  private:
-  static constexpr std::uint32_t kNone = PixelRuns::kNone;
+  static constexpr std::uint32_t kNone = LayerRegions::kNone;
   struct Contact {
     std::uint32_t above = 0;  ///< region of the layer above
     std::uint32_t pixels = 0;
@@ -80,10 +80,11 @@ class HangingPart {
   void hang_up(double height_mm, double bleed_mm);
   void peel(BitImage lit, ConstBitImage asked);
   void tear_off(const HoldGraph::Tear& tear, BitImage lit, ConstBitImage asked);
-  void lay_on_film(std::uint32_t row, const PixelRuns::Run& run, BitImage lit);
+  template <class Which>
+  void lay_on_film(BitImage lit, Which which);
   std::uint32_t joined(std::uint32_t loss) const;
   std::uint32_t join(std::uint32_t a, std::uint32_t b);
-  std::uint32_t new_loss(LossKind kind, const PixelRuns::Region& region);
+  std::uint32_t new_loss(LossKind kind, std::uint32_t column, std::uint32_t row, std::uint64_t pixels);
   void take(std::uint32_t loss, double ml);
   void remember();
   std::uint32_t nth() const { return static_cast<std::uint32_t>(layers_.size() - 1); }
@@ -95,9 +96,9 @@ class HangingPart {
   bool on_part_ = false;
 
   // The last layer and the one above it.
-  PixelRuns here_, above_;                        ///< regions that are held, or were until they tore
+  PartRegions here_, above_;                      ///< regions that are held, or were until they tore
   std::vector<std::uint32_t> limb_, limb_above_;  ///< of a region; kNone: it is not held
-  PixelRuns asked_, asked_above_;                 ///< regions of the masks; used only where something did not stay
+  PartRegions asked_, asked_above_;               ///< regions of the masks; used only where something did not stay
   std::vector<std::uint32_t> loss_, loss_above_;  ///< of a region of the masks; kNone: it stayed. Empty: all stayed
   std::vector<Contact> contacts_;
   std::vector<std::uint32_t> first_contact_;  ///< of a region

@@ -29,7 +29,8 @@ TEST(Cavities, HoldWhatBruteForceFindsEnclosed) {
       return true;
     };
     Cavities cavities;
-    PixelRuns runs;
+    PartRegions before;
+    PartRegions here;
     std::vector<bool> air(kSide * kSide * kLayers);
     for (std::uint32_t z = 0; z < kLayers; ++z) {
       std::vector<std::uint64_t> words(BitImage::words_needed(kSide, kSide), 0);
@@ -39,8 +40,9 @@ TEST(Cavities, HoldWhatBruteForceFindsEnclosed) {
           if (solid(x, y, z)) BitImage(words, kSide, kSide).set(x, y);
         }
       }
-      runs.find_white(ConstBitImage(words, kSide, kSide));
-      cavities.next_layer(runs, kSide, z == 0, z, 1);
+      std::swap(before, here);
+      here.find(ConstBitImage(words, kSide, kSide));
+      cavities.next_layer(before, here, z == 0, z, 1);
     }
     std::vector<bool> open(air.size());
     std::vector<std::size_t> todo;
