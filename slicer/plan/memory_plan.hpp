@@ -50,7 +50,7 @@ std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts);
 /// A job that has room for fewer points is refused: their surface would not be worth a print. The value matters only for
 /// arenas of a few MiB.
 inline constexpr std::uint32_t kFewestPoints = 1000;
-/// Larger scans are thinned to this many points, however large the arena. With their tree they take 944 MB of it: far
+/// Larger scans are thinned to this many points, however large the arena. With their tree they take 1.1 GB of it: far
 /// more than a board's memory, but so little that no sum of bytes overflows 32 bits.
 inline constexpr std::uint32_t kMostPoints = 16'000'000;
 

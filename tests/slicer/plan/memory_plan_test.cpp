@@ -71,8 +71,8 @@ TEST(MemoryPlan, IsTheLargestThatFits) {
 }
 
 // Half of the panel covered, as for every plan before the scan is read.
-TEST(MemoryPlan, HasRoomForAMillionPointsOn2kIn48MibOn4kIn96AndOn8kIn256) {
-  EXPECT_GE(value_of(largest_plan(48 * kMiB, std::nullopt, panel(1440, 2560), 1)).points, 1'000'000U);
+TEST(MemoryPlan, HasRoomForAMillionPointsOn2kIn52MibOn4kIn96AndOn8kIn256) {
+  EXPECT_GE(value_of(largest_plan(52 * kMiB, std::nullopt, panel(1440, 2560), 1)).points, 1'000'000U);
   PrintGrid four = panel(3840, 2400);
   four.layers = 3200;
   EXPECT_GE(value_of(largest_plan(96 * kMiB, std::nullopt, four, 1)).points, 1'000'000U);

@@ -75,7 +75,7 @@ TEST(ScanSources, ArePlannedAndThinnedTogether) {
   const MemorySource one(whole, "whole.ply");
   const MemorySource top(halves.top, "top.ply");
   const MemorySource bottom(halves.bottom, "bottom.ply");
-  constexpr std::size_t kForHalf = 9 * kMiB;  // either half would fit; both do not
+  constexpr std::size_t kForHalf = 11 * kMiB;  // either half would fit; both do not
   const AdmittedCloud half = read({top}, kForHalf);
   EXPECT_EQ(half.reading.averaged, 0U);
   const AdmittedCloud thinned = read({top, bottom}, kForHalf);
