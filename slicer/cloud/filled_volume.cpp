@@ -37,15 +37,11 @@ struct Moments {
 Around look_around(const Cloud& cloud, const KdTree3& tree, const Vec3f& p, float reach) {
   Moments inner;
   Moments outer;
-  const Vec3f margin = Vec3f::Constant(reach);
-  tree.visit_box(p - margin, p + margin, [&](std::uint32_t from, std::uint32_t to) {
-    for (std::uint32_t i = from; i < to; ++i) {
-      const Vec3f between = cloud.position[i] - p;
-      const float distance2 = between.squaredNorm();
-      if (distance2 > reach * reach) continue;
-      outer.add(between.cast<double>());
-      if (4 * distance2 <= reach * reach) inner.add(between.cast<double>());
-    }
+  tree.within(p, reach * reach, [&](Neighbour n) {
+    const Vec3d between = (cloud.position[n.index] - p).cast<double>();
+    outer.add(between);
+    if (4 * n.distance2 <= reach * reach) inner.add(between);
+    return true;
   });
   return {outer.roundness(), inner.roundness(), outer.count / inner.count};
 }

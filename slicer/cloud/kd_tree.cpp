@@ -159,6 +159,22 @@ class NearestSet {
   std::size_t count_ = 0;
 };
 
+/// nanoflann's result set for all points within a distance.
+class WithinSet {
+ public:
+  WithinSet(float most2, FunctionRef<bool(Neighbour)> visit)
+      : most2_(most2), beyond2_(next_up(1.001F * most2)), visit_(visit) {}
+  bool full() const { return false; }
+  float worstDist() const { return beyond2_; }
+  /// @returns whether to go on
+  bool addPoint(float distance2, PointIndex index) { return distance2 > most2_ || visit_({index, distance2}); }
+
+ private:
+  float most2_;
+  float beyond2_;  ///< mm^2: farther than asked for, since nanoflann rounds the distance of a node, and never 0
+  FunctionRef<bool(Neighbour)> visit_;
+};
+
 }  // namespace
 }  // namespace plumbline
 
@@ -353,6 +369,12 @@ template <int Dimension>
 std::uint32_t KdTree<Dimension>::nearest(const Vec3f& query, std::span<Neighbour> found,
                                          FunctionRef<bool(std::uint32_t)> accept, float most2) const {
   return impl_->nearest({found, most2, &accept}, query);
+}
+
+template <int Dimension>
+void KdTree<Dimension>::within(const Vec3f& query, float most2, FunctionRef<bool(Neighbour)> visit) const {
+  WithinSet found(most2, visit);
+  impl_->index.findNeighbors(found, query.data(), {});
 }
 
 template <int Dimension>

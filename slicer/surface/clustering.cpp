@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "slicer/cloud/nearest_in_box.hpp"
+#include "slicer/cloud/nearest_by_radius.hpp"
 #include "slicer/cloud/neighbourhood.hpp"
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/numbers/lanes.hpp"
@@ -231,8 +231,8 @@ Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, Arena& 
 #pragma omp for schedule(dynamic, 64)
     for (std::uint32_t s = 0; s < samples; ++s) {
       const std::uint32_t i = cloud.sampled(s, samples);
-      const auto nearest = nearest_in_box(cloud.positions(), tree, cloud.position[i], radius, wanted, room,
-                                          [](std::uint32_t) { return true; });
+      const auto nearest = nearest_by_radius(tree, cloud.position[i], radius, wanted, room, NearestOrder::kOfSearch,
+                                             [](std::uint32_t) { return true; });
       d2[s] = std::max_element(nearest.begin(), nearest.end())->distance2;
       radius = 1.3F * std::sqrt(d2[s]);  // the next sample lies near, where the density is about the same
     }

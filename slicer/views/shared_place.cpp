@@ -7,7 +7,7 @@
 #include <numbers>
 #include <span>
 
-#include "slicer/cloud/nearest_in_box.hpp"
+#include "slicer/cloud/nearest_by_radius.hpp"
 
 namespace plumbline {
 namespace {
@@ -29,8 +29,8 @@ void PlacePoints::find(const Cloud& cloud, const KdTree3& tree, const MovedViews
   NearestRoom room;
   constexpr std::uint32_t kWanted = LocalParaboloid::kMaxPoints;
   const float radius = moved_views.spacing() * std::sqrt(1.7F * kWanted / std::numbers::pi_v<float>);
-  const auto nearest = nearest_in_box(cloud.positions(), tree, cloud.position[i], radius, kWanted, room,
-                                      [&](std::uint32_t other) { return moved_views.view_of(other) != kNoView; });
+  const auto nearest = nearest_by_radius(tree, cloud.position[i], radius, kWanted, room, NearestOrder::kOfPoints,
+                                         [&](std::uint32_t other) { return moved_views.view_of(other) != kNoView; });
   const Vec3f facing = cloud.normal[i].unpack();
   std::uint32_t bent = 0;
   for (const Neighbour& n : nearest) {

@@ -93,6 +93,29 @@ void expect_nearest(const KdTree<Dimension>& tree, const Points& points, Random&
 }
 
 template <int Dimension>
+void expect_within(const KdTree<Dimension>& tree, const Points& points, Random& random) {
+  for (int i = 0; i < 60; ++i) {
+    const Vec3f query = points[random.below(static_cast<std::uint32_t>(points.size()))];
+    const auto most2 = static_cast<float>(i % 4);
+    std::vector<std::uint32_t> expected;
+    for (std::uint32_t p = 0; p < points.size(); ++p) {
+      if (distance2<Dimension>(points[p], query) <= most2) expected.push_back(p);
+    }
+    std::vector<std::uint32_t> found;
+    tree.within(query, most2, [&](Neighbour n) {
+      EXPECT_EQ(n.distance2, distance2<Dimension>(points[n.index], query));
+      found.push_back(n.index);
+      return true;
+    });
+    std::sort(found.begin(), found.end());
+    ASSERT_EQ(found, expected);
+    std::size_t calls = 0;
+    tree.within(query, most2, [&](Neighbour) { return ++calls < 2; });
+    ASSERT_EQ(calls, std::min<std::size_t>(2, expected.size())) << "ends when it is told to";
+  }
+}
+
+template <int Dimension>
 void expect_boxes(const KdTree<Dimension>& tree, const Points& points, Random& random) {
   const auto order = tree.order();
   for (int i = 0; i < 60; ++i) {
@@ -135,6 +158,7 @@ void expect_brute_force(Points (*make)(std::uint32_t, Random&)) {
     std::iota(all.begin(), all.end(), 0);
     ASSERT_EQ(order, all) << "the order is a permutation";
     expect_nearest<Dimension>(tree, points, random);
+    expect_within<Dimension>(tree, points, random);
     expect_boxes<Dimension>(tree, points, random);
   }
 }

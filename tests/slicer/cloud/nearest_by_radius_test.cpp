@@ -1,10 +1,9 @@
-#include "slicer/cloud/nearest_in_box.hpp"
+#include "slicer/cloud/nearest_by_radius.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "tests/slicer/support/arena_block.hpp"
@@ -16,12 +15,9 @@ namespace {
 using namespace testing;
 
 /// Asks for the nearest of every point and of places between, with KdTree::nearest() as the oracle.
-void expect_nearest(std::vector<Vec3f> points) {
+void expect_nearest(const std::vector<Vec3f>& points) {
   ArenaBlock arena(4 * kMiB);
-  KdTree3 tree = value_of(KdTree3::build(points, *arena, "test"));
-  const std::vector<Vec3f> before = points;
-  for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = before[tree.order()[i]];
-  std::iota(tree.order().begin(), tree.order().end(), 0);
+  const KdTree3 tree = value_of(KdTree3::build(points, *arena, "test"));
   const auto accept = [](std::uint32_t i) { return i % 5 != 1; };
   for (const std::uint32_t wanted : {1U, 2U, 61U, 256U}) {
     float radius = 0;
@@ -30,8 +26,9 @@ void expect_nearest(std::vector<Vec3f> points) {
       std::vector<Neighbour> expected(wanted);
       expected.resize(tree.nearest(query, expected, accept));
       NearestRoom room;
-      const auto in_box = nearest_in_box(points, tree, query, radius, wanted, room, accept);
-      std::vector<Neighbour> found(in_box.begin(), in_box.end());
+      const auto order = i % 2 == 0 ? NearestOrder::kOfSearch : NearestOrder::kOfPoints;
+      const auto by_radius = nearest_by_radius(tree, query, radius, wanted, room, order, accept);
+      std::vector<Neighbour> found(by_radius.begin(), by_radius.end());
       std::sort(found.begin(), found.end());
       ASSERT_EQ(found.size(), expected.size());
       for (std::size_t k = 0; k < found.size(); ++k) {
@@ -43,7 +40,7 @@ void expect_nearest(std::vector<Vec3f> points) {
   }
 }
 
-TEST(NearestInBox, FindsThePointsThatTheTreeFinds) {
+TEST(NearestByRadius, FindsThePointsThatTheTreeFinds) {
   Random random(11);
   std::vector<Vec3f> points(3000);
   for (Vec3f& p : points) {
@@ -52,7 +49,7 @@ TEST(NearestInBox, FindsThePointsThatTheTreeFinds) {
   expect_nearest(points);
 }
 
-TEST(NearestInBox, FindsItsWayFromDenseToSparse) {
+TEST(NearestByRadius, FindsItsWayFromDenseToSparse) {
   Random random(12);
   std::vector<Vec3f> points;
   for (int n = 0; n < 2000; ++n) {
@@ -62,7 +59,7 @@ TEST(NearestInBox, FindsItsWayFromDenseToSparse) {
   expect_nearest(points);
 }
 
-TEST(NearestInBox, BearsEqualDistancesAndEqualPoints) {
+TEST(NearestByRadius, BearsEqualDistancesAndEqualPoints) {
   Random random(13);
   std::vector<Vec3f> points(700);
   for (Vec3f& p : points) {
