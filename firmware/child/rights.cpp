@@ -1,11 +1,9 @@
 #include "firmware/child/rights.hpp"
 
 #include <fcntl.h>
-#include <linux/audit.h>
 #include <linux/capability.h>
-#include <linux/filter.h>
 #include <linux/landlock.h>
-#include <linux/seccomp.h>
+#include <seccomp.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -13,8 +11,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstddef>
 #include <cstring>
+#include <memory>
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
@@ -93,65 +91,45 @@ void die_first() {
 }
 
 #ifndef PLUMBLINE_HAS_SANITIZER
-#if defined(__x86_64__)
-constexpr std::uint32_t kMachine = AUDIT_ARCH_X86_64;
-#elif defined(__aarch64__)
-constexpr std::uint32_t kMachine = AUDIT_ARCH_AARCH64;
-#elif defined(__arm__)
-constexpr std::uint32_t kMachine = AUDIT_ARCH_ARM;
-#elif defined(__riscv) && __riscv_xlen == 64
-constexpr std::uint32_t kMachine = AUDIT_ARCH_RISCV64;
-#else
-#error "give the machine its AUDIT_ARCH_ of linux/audit.h"
-#endif
-
-struct Rule {
-  long call;
-  std::uint32_t action;
+struct ReleaseFilter {
+  void operator()(void* filter) const { seccomp_release(filter); }
 };
 
-constexpr std::uint32_t kNoMemory = SECCOMP_RET_ERRNO | ENOMEM;
-constexpr std::uint32_t kNotPermitted = SECCOMP_RET_ERRNO | EPERM;
+/// A filter under construction, on the heap. A call by another machine's numbers ends the process.
+class Filter {
+ public:
+  explicit Filter(std::uint32_t otherwise) : filter_(seccomp_init(otherwise)) {
+    good_ = filter_ != nullptr &&
+            seccomp_attr_set(filter_.get(), SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS) == 0 &&
+            seccomp_attr_set(filter_.get(), SCMP_FLTATR_CTL_TSYNC, 1) == 0;
+  }
+  /// A call that this machine lacks is left out; a name that no machine has is an error of ours.
+  void add(std::uint32_t action, const CallRule& rule) {
+    const int call = seccomp_syscall_resolve_name(rule.call);
+    if (call == __NR_SCMP_ERROR) good_ = false;
+    if (call < 0 || !good_) return;
+    const unsigned conditions = rule.when.argument < 0 ? 0 : 1;
+    const scmp_arg_cmp when{static_cast<unsigned>(std::max(rule.when.argument, 0)), SCMP_CMP_MASKED_EQ, rule.when.mask,
+                            rule.when.value};
+    good_ = seccomp_rule_add_array(filter_.get(), action, call, conditions, &when) == 0;
+  }
+  bool install() const { return good_ && seccomp_load(filter_.get()) == 0; }
 
-constexpr Rule kRules[] = {
-    // Reading the scan, waiting for other threads, the time, the end.
-    {SYS_read, SECCOMP_RET_ALLOW},
-#ifdef SYS_lseek
-    {SYS_lseek, SECCOMP_RET_ALLOW},
-#endif
-#ifdef SYS__llseek
-    {SYS__llseek, SECCOMP_RET_ALLOW},
-#endif
-    {SYS_futex, SECCOMP_RET_ALLOW},
-    {SYS_sched_yield, SECCOMP_RET_ALLOW},
-    {SYS_clock_gettime, SECCOMP_RET_ALLOW},
-    {SYS_exit, SECCOMP_RET_ALLOW},
-    {SYS_exit_group, SECCOMP_RET_ALLOW},
-    {SYS_rt_sigreturn, SECCOMP_RET_ALLOW},
-    {SYS_rt_sigprocmask, SECCOMP_RET_ALLOW},
-    {SYS_restart_syscall, SECCOMP_RET_ALLOW},
-#ifdef SYS_futex_time64
-    {SYS_futex_time64, SECCOMP_RET_ALLOW},
-#endif
-#ifdef SYS_clock_gettime64
-    {SYS_clock_gettime64, SECCOMP_RET_ALLOW},
-#endif
-    // All memory was taken before. The C library handles the error.
-    {SYS_brk, kNoMemory},
-#ifdef SYS_mmap
-    {SYS_mmap, kNoMemory},
-#endif
-#ifdef SYS_mmap2
-    {SYS_mmap2, kNoMemory},
-#endif
-    {SYS_mremap, kNoMemory},
-    // abort() tries these and then ends the process anyway: SIGABRT says more than SIGSYS.
-    {SYS_getpid, SECCOMP_RET_ALLOW},
-    {SYS_gettid, SECCOMP_RET_ALLOW},
-    {SYS_tgkill, kNotPermitted},
-    {SYS_write, kNotPermitted},
-    {SYS_writev, kNotPermitted},
+ private:
+  std::unique_ptr<void, ReleaseFilter> filter_;
+  bool good_ = false;
 };
+
+// Reading the scan, waiting for other threads, the time, the end. abort() asks who it is.
+constexpr CallRule kAllowed[] = {
+    {"read"},         {"lseek"},          {"_llseek"},         {"futex"},  {"futex_time64"},
+    {"sched_yield"},  {"clock_gettime"},  {"clock_gettime64"}, {"exit"},   {"exit_group"},
+    {"rt_sigreturn"}, {"rt_sigprocmask"}, {"restart_syscall"}, {"getpid"}, {"gettid"},
+};
+// All memory was taken before. The C library handles the error.
+constexpr CallRule kMemory[] = {{"brk"}, {"mmap"}, {"mmap2"}, {"mremap"}};
+// abort() tries these and then ends the process anyway: SIGABRT says more than SIGSYS.
+constexpr CallRule kOfAbort[] = {{"tgkill"}, {"write"}, {"writev"}};
 #endif  // PLUMBLINE_HAS_SANITIZER
 
 }  // namespace
@@ -175,71 +153,17 @@ Expected<bool> give_up_rights(int kept) {
 bool filter_system_calls() { return true; }
 bool filter_system_calls(std::span<const CallRule> /*allowed*/) { return true; }
 #else
-namespace {
-
-/// A filter under construction. The first instructions check the machine and load the call's number.
-class Filter {
- public:
-  static constexpr std::size_t kMost = 512;
-
-  Filter() {
-    load(offsetof(seccomp_data, arch));
-    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kMachine, 1, 0));
-    end(SECCOMP_RET_KILL_PROCESS);
-    load(offsetof(seccomp_data, nr));
-  }
-  void add(sock_filter instruction) {
-    if (size_ < kMost) program_[size_] = instruction;
-    ++size_;
-  }
-  void load(std::size_t offset) { add(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset))); }
-  void end(std::uint32_t action) { add(BPF_STMT(BPF_RET | BPF_K, action)); }
-  /// Runs the next `instructions` only for a call.
-  void when(long call, std::uint8_t instructions) {
-    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, instructions));
-  }
-  bool install() {
-    if (size_ > kMost) return false;
-    sock_fprog filter{};
-    filter.len = static_cast<unsigned short>(size_);
-    filter.filter = program_.data();
-    return ::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &filter) == 0;
-  }
-
- private:
-  std::array<sock_filter, kMost> program_{};
-  std::size_t size_ = 0;
-};
-
-}  // namespace
-
 bool filter_system_calls() {
-  Filter filter;
-  for (const Rule& rule : kRules) {
-    filter.when(rule.call, 1);
-    filter.end(rule.action);
-  }
-  filter.end(SECCOMP_RET_KILL_PROCESS);
+  Filter filter(SCMP_ACT_KILL_PROCESS);
+  for (const CallRule& rule : kAllowed) filter.add(SCMP_ACT_ALLOW, rule);
+  for (const CallRule& rule : kMemory) filter.add(SCMP_ACT_ERRNO(ENOMEM), rule);
+  for (const CallRule& rule : kOfAbort) filter.add(SCMP_ACT_ERRNO(EPERM), rule);
   return filter.install();
 }
 
 bool filter_system_calls(std::span<const CallRule> allowed) {
-  Filter filter;
-  for (const CallRule& rule : allowed) {
-    if (rule.when.argument < 0) {
-      filter.when(rule.call, 1);
-      filter.end(SECCOMP_RET_ALLOW);
-      continue;
-    }
-    filter.when(rule.call, 5);
-    // The low half: all machines above are little-endian.
-    filter.load(offsetof(seccomp_data, args) + sizeof(std::uint64_t) * static_cast<std::size_t>(rule.when.argument));
-    filter.add(BPF_STMT(BPF_ALU | BPF_AND | BPF_K, rule.when.mask));
-    filter.add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, rule.when.value, 0, 1));
-    filter.end(SECCOMP_RET_ALLOW);
-    filter.end(kNotPermitted);
-  }
-  filter.end(kNotPermitted);
+  Filter filter(SCMP_ACT_ERRNO(EPERM));
+  for (const CallRule& rule : allowed) filter.add(SCMP_ACT_ALLOW, rule);
   return filter.install();
 }
 #endif  // PLUMBLINE_HAS_SANITIZER

@@ -24,7 +24,7 @@ namespace plumbline {
 inline constexpr int kKeptDescriptor = 32;
 
 /// After this call the threads of the process can only compute, wait for each other, read the descriptors they have, and exit. A request
-/// for memory fails. Any other system call kills the process (SIGSYS).
+/// for memory fails. Any other system call kills the process (SIGSYS). The filter is made on the heap before it holds.
 /// @returns false: the kernel has no seccomp filters
 [[nodiscard]] bool filter_system_calls();
 
@@ -35,11 +35,10 @@ struct CallRule {
     int argument = -1;  ///< 0 to 5; -1: none
     std::uint32_t mask = 0, value = 0;
   };
-  long call = 0;
+  const char* call;  ///< its name; left out where the machine has no such call
   Condition when = {};
 };
 /// After this call the threads of the process can make only these system calls. Any other fails with EPERM.
-/// @param allowed  at most 80
 /// @returns false: the kernel has no seccomp filters
 [[nodiscard]] bool filter_system_calls(std::span<const CallRule> allowed);
 

@@ -58,6 +58,7 @@ ONE_SOURCE_FILE = {
     "libdeflate.h": "at most",
     "spng.h": "at most",
     "freetype/freetype.h": "at most",
+    "seccomp.h": "at most",
     "minizip/zip.h": "at most",
     "minizip/unzip.h": "at most",
     "toml++/toml.h": "at most",
