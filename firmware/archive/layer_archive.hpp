@@ -10,7 +10,7 @@
 #include "firmware/archive/archive_settings.hpp"
 #include "firmware/archive/zip_reader.hpp"
 #include "firmware/pictures/mask_decoder.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 

@@ -60,7 +60,7 @@ Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Propo
     views[i].degrees = o.degrees;
     std::ranges::transform(texts[i], views[i].lines.begin(), &OrientLine::view);
   }
-  auto encoder = PictureEncoder::create(kPageMemory);
+  auto encoder = PictureEncoder::create(kPageBytes);
   PLUMBLINE_TRY(encoder);
   const float spacing = std::sqrt(samples.area / static_cast<float>(scan.cloud.size));
   const auto png = encode_orientations(scan.cloud, spacing, title, views, arena, *encoder);

@@ -16,7 +16,7 @@
 #include "firmware/io/version.hpp"
 #include "firmware/io/wall_clock.hpp"
 #include "firmware/machine/back_end.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "firmware/print/print_summary.hpp"
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
@@ -78,7 +78,7 @@ class DaemonLog final : public DaemonObserver {
   /// @param record   has the preview
   /// @param encoder  for a preview
   DaemonLog(const DaemonOptions& options, BackEnd& back_end, ServiceManager& manager, KeptPrints& prints,
-            const PrinterRecord& record, SmallPngEncoder encoder)
+            const PrinterRecord& record, PictureEncoder encoder)
       : options_(options),
         back_end_(back_end),
         witness_(back_end.witness()),
@@ -213,7 +213,7 @@ class DaemonLog final : public DaemonObserver {
   ServiceManager& manager_;
   KeptPrints& prints_;
   const PrinterRecord& record_;
-  SmallPngEncoder encoder_;
+  PictureEncoder encoder_;
   PrintLines lines_{PrintLines::Show::kPrint, std::nullopt};
   /// A print has some dozens. Whoever gives commands without an end writes one a second.
   LogBound log_bound_{{.burst = 200, .a_second = 1}};
@@ -253,7 +253,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   if (!prints) return report_error(prints.error());
   auto upload_store = UploadStore::open(options.state, std::uint64_t{machine->upload_mib} << 20U);
   if (!upload_store) return report_error(upload_store.error());
-  auto encoder = SmallPngEncoder::create(sizeof(PreviewPicture::memory), PreviewPicture::kMostRows);
+  auto encoder = PictureEncoder::create(sizeof(PreviewPicture::memory));
   if (!encoder) return report_error(encoder.error());
   const auto socket = StateSocket::open(socket_path(options, *machine));
   if (!socket) return report_error(socket.error());

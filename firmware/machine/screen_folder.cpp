@@ -18,7 +18,7 @@ Expected<std::unique_ptr<ScreenFolder>> ScreenFolder::open(const std::string& fo
     return fail(ErrorCode::kCannotOpen, "%s: the folder for the screen can't be made (%s).\tName another one",
                 folder.c_str(), problem.message().c_str());
   }
-  auto encoder = PictureEncoder::create(picture_memory(columns, rows));
+  auto encoder = PictureEncoder::create(picture_bytes(columns, rows));
   PLUMBLINE_TRY(encoder);
   return std::unique_ptr<ScreenFolder>(new ScreenFolder(folder, std::move(*encoder)));
 }
@@ -28,7 +28,6 @@ void ScreenFolder::write(std::uint32_t columns, std::uint32_t rows, std::span<co
   for (const std::uint16_t pixel : pixels) {
     rgb_.insert(rgb_.end(), {red_of(pixel), green_of(pixel), blue_of(pixel)});
   }
-  rgb_.resize(picture_memory(columns, rows));
   const auto file = encoder_.encode(rgb_, columns, rows);
   // Whoever watches screen.png never sees half of one.
   const std::string newest = folder_ + "/screen.png", part = newest + ".part";

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

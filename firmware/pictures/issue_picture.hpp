@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "firmware/pictures/job_pictures.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"

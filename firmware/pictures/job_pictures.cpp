@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "firmware/pictures/coverage_views.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "firmware/pictures/preview/preview_views.hpp"
 
 namespace plumbline {
@@ -91,14 +91,13 @@ Status draw_coverage_picture(const RRep& rrep, const ConfidenceMap& map, Arena& 
 
 Expected<std::span<std::uint8_t>> draw_thumbnail(const RRep& rrep, const Supports& supports, std::uint32_t columns,
                                                  std::uint32_t rows, Arena& arena) {
-  const auto memory = arena.take_top<std::uint8_t>(picture_memory(columns, rows), "thumbnail");
+  const auto memory = arena.take_top<std::uint8_t>(picture_bytes(columns, rows), "thumbnail");
   PLUMBLINE_TRY(memory);
-  const auto rgb = memory->first(std::size_t{3} * columns * rows);
   const Page page = page_of_views(columns, rows, columns / 16);
   const auto views = columns <= rows ? Views::kFront : Views::kThreeSides;
-  const auto drawn = draw_views(rrep, supports, page, views, arena, {rgb, columns, rows});
+  const auto drawn = draw_views(rrep, supports, page, views, arena, {*memory, columns, rows});
   PLUMBLINE_TRY(drawn);
-  if (!*drawn) std::fill(rgb.begin(), rgb.end(), std::uint8_t{0});
+  if (!*drawn) std::fill(memory->begin(), memory->end(), std::uint8_t{0});
   return *memory;
 }
 

@@ -104,7 +104,7 @@ std::size_t preview_picture_bytes(const PrintGrid& grid);
 
 /// Draws a picture of the print in any size: from three sides if it is wider than tall, else from the front.
 /// @param arena  the picture and room to draw it are taken from its top; only the latter is released
-/// @returns picture_memory() whose pixels, RGB, row after row from the top, are drawn; black if no mask has a pixel
+/// @returns the pixels, RGB, row after row from the top; black if no mask has a pixel
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Expected<std::span<std::uint8_t>> draw_thumbnail(const RRep& rrep, const Supports& supports,
                                                                std::uint32_t columns, std::uint32_t rows, Arena& arena);

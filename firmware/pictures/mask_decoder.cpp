@@ -159,12 +159,7 @@ Status decode_turned_mask(PngBytes bytes, std::uint64_t most_bytes, const MaskTu
 }
 
 Status decode_mask(std::span<const std::byte> file, BitImage out) {
-  const auto bytes = [&file](std::span<std::byte> to) -> Expected<std::size_t> {
-    const std::size_t count = std::min(to.size(), file.size());
-    std::memcpy(to.data(), file.data(), count);
-    file = file.subspan(count);
-    return count;
-  };
+  BytesOf bytes{file};
   return decode_turned_mask(bytes, UINT64_MAX, {}, out);
 }
 

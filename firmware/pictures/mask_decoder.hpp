@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/pictures/png_rows.hpp"
+#include "firmware/pictures/png.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 

@@ -126,9 +126,9 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
                                                          std::span<const OrientationView> views, Arena& arena,
                                                          PictureEncoder& encoder) {
   const ArenaScope scope(arena);
-  const auto rgb = arena.take_top<std::uint8_t>(kPageMemory, kStage);
+  const auto rgb = arena.take_top<std::uint8_t>(kPageBytes, kStage);
   PLUMBLINE_TRY(rgb);
-  const Picture picture{rgb->first(kPageBytes), kPreviewColumns, kPreviewRows};
+  const Picture picture{*rgb, kPreviewColumns, kPreviewRows};
   const auto memory = take_map(kColumns * kSamplesPerPixel, kRows * kSamplesPerPixel, arena);
   PLUMBLINE_TRY(memory);
   draw_background(picture);

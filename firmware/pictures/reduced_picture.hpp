@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/pictures/png_rows.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

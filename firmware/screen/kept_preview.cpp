@@ -7,13 +7,13 @@
 namespace plumbline {
 
 Expected<KeptPreview> KeptPreview::create() {
-  auto decoder = SmallPngDecoder::create(sizeof(PreviewPicture::memory), PreviewPicture::kMostRows);
+  auto decoder = PictureDecoder::create();
   PLUMBLINE_TRY(decoder);
   return KeptPreview(std::move(*decoder));
 }
 
 // A print is kept with a preview only if its PNG fits a line.
-KeptPreview::KeptPreview(SmallPngDecoder decoder)
+KeptPreview::KeptPreview(PictureDecoder decoder)
     : decoder_(std::move(decoder)), file_(PictureLine::kMostPng), picture_(1) {}
 
 const PreviewPicture* KeptPreview::of(const KeptPrints& prints, std::uint32_t number) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "firmware/pictures/job_pictures.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "firmware/print/store/kept_prints.hpp"
 
 namespace plumbline {
@@ -22,9 +22,9 @@ class KeptPreview {
   const PreviewPicture* of(const KeptPrints& prints, std::uint32_t number);
 
  private:
-  explicit KeptPreview(SmallPngDecoder decoder);
+  explicit KeptPreview(PictureDecoder decoder);
 
-  SmallPngDecoder decoder_;
+  PictureDecoder decoder_;
   std::vector<std::byte> file_;
   std::vector<PreviewPicture> picture_;  ///< one: too large for a stack
   std::uint32_t number_ = 0;             ///< of the picture; 0: none

@@ -15,7 +15,7 @@ namespace {
 constexpr double kNoObject = 0.5;
 
 Status draw(const RRep& rrep, const ConfidenceMap& map, std::string_view name, const std::string& path, Arena& arena) {
-  auto encoder = PictureEncoder::create(kPageMemory);
+  auto encoder = PictureEncoder::create(kPageBytes);
   PLUMBLINE_TRY(encoder);
   const auto png = encode_page(arena, *encoder,
                                [&](std::span<std::uint8_t> rgb) { return draw_coverage(rrep, map, name, arena, rgb); });

@@ -12,7 +12,7 @@
 #include "firmware/archive/layer_numbers.hpp"
 #include "firmware/io/file_source.hpp"
 #include "firmware/pictures/mask_decoder.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "slicer/core/print_grid.hpp"
 
 namespace plumbline {

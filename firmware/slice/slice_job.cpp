@@ -44,7 +44,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
   }
   if (settings.preview) {
     for (auto& encoder : std::span(job.pictures_).first(settings.archive ? 1 : kPages)) {
-      auto made = PictureEncoder::create(kPageMemory);
+      auto made = PictureEncoder::create(kPageBytes);
       PLUMBLINE_TRY(made);
       encoder = std::move(*made);
     }
@@ -195,8 +195,8 @@ Status SliceJob::write_pages(const RRep& rrep, const Supports& supports) {
   std::array<Page, kPages> pages;
   std::size_t count = 0;
   const auto add = [&](JobPicture picture, auto draw) {
-    const auto memory = arena_->take_top<std::uint8_t>(kPageMemory, "preview");
-    const Status drawn = memory ? draw(memory->first(kPageBytes)) : tl::unexpected<Error>(memory.error());
+    const auto memory = arena_->take_top<std::uint8_t>(kPageBytes, "preview");
+    const Status drawn = memory ? draw(*memory) : tl::unexpected<Error>(memory.error());
     if (drawn) {
       pages[count++] = {picture, *memory, {}};
     } else {

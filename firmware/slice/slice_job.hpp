@@ -9,7 +9,7 @@
 
 #include "firmware/io/job_progress.hpp"
 #include "firmware/io/scan_files.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "firmware/settings/check_policy.hpp"
 #include "firmware/slice/job_archive.hpp"
 #include "firmware/slice/job_directory.hpp"

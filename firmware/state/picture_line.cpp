@@ -61,7 +61,7 @@ Expected<PictureLine> PictureLine::create() {
   constexpr std::size_t kMostBytes =
       std::max({sizeof(PreviewPicture::memory), sizeof(IssuesPicture::memory), sizeof(CoveragePicture::memory),
                 sizeof(SidePicture::memory), sizeof(LayerPicture::memory), sizeof(ProposalPicture::memory)});
-  auto encoder = SmallPngEncoder::create(kMostBytes, std::max(PreviewPicture::kMostRows, LayerPicture::kMostRows));
+  auto encoder = PictureEncoder::create(kMostBytes);
   PLUMBLINE_TRY(encoder);
   PictureLine line(std::move(*encoder));
   for (Encoded& one : line.encoded_) one.base64.resize(kMostCharacters);

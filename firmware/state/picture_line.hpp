@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/state_line.hpp"
 
@@ -52,9 +52,9 @@ class PictureLine {
     std::vector<char> base64;
     std::size_t size = 0;
   };
-  explicit PictureLine(SmallPngEncoder encoder) : encoder_(std::move(encoder)) {}
+  explicit PictureLine(PictureEncoder encoder) : encoder_(std::move(encoder)) {}
 
-  SmallPngEncoder encoder_;
+  PictureEncoder encoder_;
   std::unique_ptr<LayerPicture> mask_ = std::make_unique<LayerPicture>();
   std::vector<char> mask_base64_;
   std::array<Encoded, kPictureWords.size()> encoded_;

@@ -54,8 +54,6 @@ ONE_SOURCE_FILE = {
     "nanoflann.hpp": "exactly",
     "expat.h": "at most",
     "zlib.h": "at most",
-    "lodepng.h": "at most",
-    "libdeflate.h": "at most",
     "spng.h": "at most",
     "freetype/freetype.h": "at most",
     "seccomp.h": "at most",

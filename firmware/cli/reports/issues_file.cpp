@@ -10,7 +10,7 @@ namespace {
 template <class Draw>
 Status write(const std::string& path, const StackFindings& findings, Arena& arena, Draw draw) {
   if (path.empty() || ShownIssues(findings).count == 0) return {};
-  auto encoder = PictureEncoder::create(kPageMemory);
+  auto encoder = PictureEncoder::create(kPageBytes);
   PLUMBLINE_TRY(encoder);
   const auto png = encode_page(arena, *encoder, draw);
   PLUMBLINE_TRY(png);

@@ -7,7 +7,7 @@
 
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/pictures/issue_picture.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "firmware/pictures/preview/preview.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
@@ -53,11 +53,11 @@ Status write_issue_picture(JobDirectory& directory, const PrintSession& session,
 /// Writes the preview of the cured part, and a comparison that shows what was to be printed to its left.
 Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep& part, const JobReport& job,
                       Arena& arena) {
-  constexpr std::size_t kBothMemory = picture_memory(2 * kPreviewColumns, kPreviewRows);
-  auto encoder = PictureEncoder::create(kBothMemory);
+  constexpr std::size_t kBothBytes = picture_bytes(2 * kPreviewColumns, kPreviewRows);
+  auto encoder = PictureEncoder::create(kBothBytes);
   PLUMBLINE_TRY(encoder);
   std::vector<std::uint8_t> sliced(kPageBytes);
-  std::vector<std::uint8_t> printed(kPageMemory);
+  std::vector<std::uint8_t> printed(kPageBytes);
   FixedText<128> caption;
   caption.add("printed: %u of %u layers, %.1f ml", part.grid.layers, session.grid().layers,
               static_cast<double>(job.cured_pixels) * session.pixel_ml());
@@ -80,17 +80,16 @@ Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep
   PLUMBLINE_TRY(
       draw_preview(rrep, session.supports(), {job.scan_name, size.view(), sliced_captions}, arena, std::span(sliced)));
   // The layers already include the cured supports.
-  PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, {}, printed_captions}, arena,
-                             std::span(printed).first(kPageBytes)));
+  PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, {}, printed_captions}, arena, printed));
   std::vector<std::uint8_t> both;
-  both.reserve(kBothMemory);
+  both.reserve(kBothBytes);
   constexpr auto kRow = static_cast<std::ptrdiff_t>(3 * kPreviewColumns);
   for (std::ptrdiff_t row = 0; row < std::ptrdiff_t{kPreviewRows}; ++row) {
     for (const auto* picture : {&sliced, &printed}) {
       both.insert(both.end(), picture->begin() + row * kRow, picture->begin() + (row + 1) * kRow);
     }
   }
-  both.resize(kBothMemory);
+  both.resize(kBothBytes);
   PLUMBLINE_TRY(directory.write_picture(JobPicture::kPreview, encoder->encode(printed, kPreviewColumns, kPreviewRows)));
   PLUMBLINE_TRY(
       directory.write_picture(JobPicture::kComparison, encoder->encode(both, 2 * kPreviewColumns, kPreviewRows)));

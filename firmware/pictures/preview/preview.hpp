@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/rrep/rrep.hpp"
@@ -16,9 +16,7 @@ namespace plumbline {
 
 inline constexpr std::uint32_t kPreviewColumns = 1600;  ///< pixels
 inline constexpr std::uint32_t kPreviewRows = 900;      ///< pixels
-/// Of the pixels, and with the room in which they are encoded.
-inline constexpr std::size_t kPageBytes = std::size_t{3} * kPreviewColumns * kPreviewRows,
-                             kPageMemory = picture_memory(kPreviewColumns, kPreviewRows);
+inline constexpr std::size_t kPageBytes = picture_bytes(kPreviewColumns, kPreviewRows);
 
 /// Text on the picture. ASCII; other bytes show as a box. Lines that are too long are cut.
 struct PreviewText {
@@ -42,17 +40,17 @@ std::size_t preview_bytes(const PrintGrid& grid);
                                   std::span<std::uint8_t> rgb);
 
 /// A page as a PNG file.
-/// @param arena    kPageMemory is taken from its top and released
-/// @param encoder  made for kPageMemory
+/// @param arena    kPageBytes is taken from its top and released
+/// @param encoder  made for kPageBytes
 /// @param draw     called with the page's kPageBytes
 /// @returns the file, in the encoder's memory, valid until its next use
 /// @retval ErrorCode::kOutOfMemory  the arena has no room, and any error of `draw`
 template <class Draw>
 [[nodiscard]] Expected<std::span<const std::byte>> encode_page(Arena& arena, PictureEncoder& encoder, Draw draw) {
   const ArenaScope scope(arena);
-  const auto memory = arena.take_top<std::uint8_t>(kPageMemory, "page");
+  const auto memory = arena.take_top<std::uint8_t>(kPageBytes, "page");
   PLUMBLINE_TRY(memory);
-  PLUMBLINE_TRY(draw(memory->first(kPageBytes)));
+  PLUMBLINE_TRY(draw(*memory));
   return encoder.encode(*memory, kPreviewColumns, kPreviewRows);
 }
 

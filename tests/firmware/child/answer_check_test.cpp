@@ -11,7 +11,7 @@
 
 #include "firmware/archive/zip_writer.hpp"
 #include "firmware/child/archive_task.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "tests/firmware/child/child_fixture.hpp"
 

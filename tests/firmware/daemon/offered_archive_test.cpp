@@ -10,7 +10,7 @@
 
 #include "firmware/archive/zip_writer.hpp"
 #include "firmware/child/archive_task.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "tests/firmware/child/child_fixture.hpp"
 

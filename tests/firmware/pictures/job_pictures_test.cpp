@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "firmware/pictures/side_pictures.hpp"
 
 namespace plumbline {
@@ -271,7 +271,7 @@ TEST(SidePictures, GoRoundToTheRight) {
 }
 
 TEST(SmallPng, IsReadBackByAnotherProgramAsItWas) {
-  auto encoder = SmallPngEncoder::create(3 * 320 * 180, 320).value();
+  auto encoder = PictureEncoder::create(picture_bytes(320, 180)).value();
   std::mt19937 random(5);
   for (const std::uint32_t channels : {1U, 3U}) {
     for (const std::uint32_t columns : {1U, 7U, 320U}) {

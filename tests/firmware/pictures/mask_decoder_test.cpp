@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "tests/firmware/pictures/noise_png.hpp"
 
 namespace plumbline {

@@ -62,7 +62,7 @@ TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
 TEST(KeptPrint, IsWrittenReadAndShownWithoutTheHeap) {
   const TemporaryFolder folder;
   auto prints = KeptPrints::open(folder / ".", [](std::string_view) {});
-  auto encoder = SmallPngEncoder::create(sizeof(PreviewPicture::memory), PreviewPicture::kMostRows);
+  auto encoder = PictureEncoder::create(sizeof(PreviewPicture::memory));
   auto preview = KeptPreview::create();
   ASSERT_TRUE(prints && encoder && preview);
   const std::vector<std::uint8_t> pixels(std::size_t{3} * 320 * 100, 77);

@@ -167,7 +167,7 @@ inline const KeptPrints& some_prints() {
         Row{"bust.ply", PrintState::kFinished, 1604, 34.4}, Row{"gear.stl", PrintState::kCancelled, 152, 2.1},
         Row{"a statue with a very long name.ply and 3 more", PrintState::kFinished, 1604, 120.9},
         Row{"ring.3mf", PrintState::kFault, 12, 0.4}, Row{"bust.ply", PrintState::kFinished, 1604, 34.4}};
-    auto encoder = SmallPngEncoder::create(sizeof(PreviewPicture::memory), PreviewPicture::kMostRows);
+    auto encoder = PictureEncoder::create(sizeof(PreviewPicture::memory));
     std::int64_t day = 1'795'000'000;
     for (const Row& row : kRows) {
       KeptPrint print;

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "firmware/pictures/mask_decoder.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/slicer/support/pixels.hpp"
 #include "tests/slicer/support/surfaces.hpp"

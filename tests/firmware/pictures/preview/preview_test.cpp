@@ -271,9 +271,9 @@ TEST(Preview, EncodesTheSamePixelsAsPng) {
   const std::string_view captions[] = {"one line", "and another"};
   const PreviewText text{"sphere.ply", "24.0 x 24.0 x 24.0 mm", captions};
   const Drawing drawing(solid.rrep, text);
-  std::vector<std::byte> memory(preview_bytes(solid.rrep.grid) + kPageMemory + 4 * Arena::kAlignment);
+  std::vector<std::byte> memory(preview_bytes(solid.rrep.grid) + kPageBytes + 4 * Arena::kAlignment);
   Arena arena(memory);
-  auto encoder = PictureEncoder::create(kPageMemory);
+  auto encoder = PictureEncoder::create(kPageBytes);
   ASSERT_TRUE(encoder.has_value());
   const auto png = encode_page(
       arena, *encoder, [&](std::span<std::uint8_t> rgb) { return draw_preview(solid.rrep, {}, text, arena, rgb); });

@@ -1,4 +1,4 @@
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/png.hpp"
 
 #include <gtest/gtest.h>
 #include <lodepng.h>
@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace plumbline {
-namespace png_writer_test {
+namespace png_test {
 
 struct Mask {
   Mask(std::uint32_t columns, std::uint32_t rows)
@@ -110,13 +110,11 @@ TEST(PngEncoder, IgnoresBitsPastTheLastColumn) {
 TEST(PictureEncoder, RoundTripsPictures) {
   std::mt19937_64 dice(3);
   for (const std::uint32_t columns : {1U, 3U, 640U}) {
-    auto encoder = PictureEncoder::create(picture_memory(columns, 41));
+    auto encoder = PictureEncoder::create(picture_bytes(columns, 41));
     ASSERT_TRUE(encoder.has_value());
     std::vector<std::uint8_t> rgb(std::size_t{3} * columns * 41);
     for (auto& byte : rgb) byte = static_cast<std::uint8_t>(dice());
-    auto memory = rgb;
-    memory.resize(picture_memory(columns, 41));
-    const Decoded decoded = decode(encoder->encode(memory, columns, 41), LCT_RGB);
+    const Decoded decoded = decode(encoder->encode(rgb, columns, 41), LCT_RGB);
     EXPECT_EQ(decoded.columns, columns);
     EXPECT_EQ(decoded.rows, 41U);
     EXPECT_EQ(decoded.type, LCT_RGB);
@@ -132,9 +130,9 @@ std::vector<std::uint8_t> pixels_of(std::uint32_t columns, std::uint32_t rows, s
   return pixels;
 }
 
-TEST(SmallPngDecoder, GivesBackWhatWasEncoded) {
-  auto encoder = SmallPngEncoder::create(std::size_t{3} * 320 * 180, 180);
-  auto decoder = SmallPngDecoder::create(std::size_t{3} * 320 * 180, 180);
+TEST(PictureDecoder, GivesBackWhatWasEncoded) {
+  auto encoder = PictureEncoder::create(picture_bytes(320, 180));
+  auto decoder = PictureDecoder::create();
   ASSERT_TRUE(encoder && decoder);
   std::vector<std::uint8_t> out(std::size_t{3} * 320 * 180);
   for (const auto& [columns, rows, channels] :
@@ -147,9 +145,9 @@ TEST(SmallPngDecoder, GivesBackWhatWasEncoded) {
   }
 }
 
-TEST(SmallPngDecoder, RefusesWhatIsTooLargeOrDamagedAndWritesNothingBeyondItsRoom) {
-  auto encoder = SmallPngEncoder::create(std::size_t{3} * 40 * 20, 20);
-  auto decoder = SmallPngDecoder::create(std::size_t{3} * 40 * 20, 20);
+TEST(PictureDecoder, RefusesWhatIsTooLargeOrDamagedAndWritesNothingBeyondItsRoom) {
+  auto encoder = PictureEncoder::create(picture_bytes(40, 20));
+  auto decoder = PictureDecoder::create();
   ASSERT_TRUE(encoder && decoder);
   const auto encoded = encoder->encode(pixels_of(40, 20, 3), 40, 20, 3);
   const std::vector<std::byte> file(encoded.begin(), encoded.end());
@@ -176,5 +174,5 @@ TEST(SmallPngDecoder, RefusesWhatIsTooLargeOrDamagedAndWritesNothingBeyondItsRoo
   }
 }
 
-}  // namespace png_writer_test
+}  // namespace png_test
 }  // namespace plumbline
