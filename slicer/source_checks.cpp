@@ -40,7 +40,7 @@ PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeade
 
 Status check_extent(const Box3d& bounds, ScanSources sources) {
   if (bounds.size().maxCoeff() > 0) return {};
-  return telling(Told(ToldCode::kTooSmall, {{Fact::kLongestMm, 0.0}}),
+  return telling(Told(ToldCode::kOnePlace),
                  fail(ErrorCode::kNoSurface, "%s: all of it lies at one place, %.6g %.6g %.6g.\tExport it again",
                       title_of(sources).c_str(), bounds.low[0], bounds.low[1], bounds.low[2]));
 }

@@ -17,6 +17,8 @@ struct Around {
 };
 
 /// The points of a ball.
+constexpr std::size_t kMostAround = 4096;  ///< four times as many as where points fill a volume evenly
+
 struct Moments {
   void add(const Vec3d& d) {
     ++count;
@@ -37,12 +39,12 @@ struct Moments {
 Around look_around(const Cloud& cloud, const KdTree3& tree, const Vec3f& p, float reach) {
   Moments inner;
   Moments outer;
-  tree.within(p, reach * reach, [&](Neighbour n) {
+  std::array<Neighbour, kMostAround> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  for (const Neighbour& n : std::span(found).first(tree.within(p, reach * reach, found))) {
     const Vec3d between = (cloud.position[n.index] - p).cast<double>();
     outer.add(between);
     if (4 * n.distance2 <= reach * reach) inner.add(between);
-    return true;
-  });
+  }
   return {outer.roundness(), inner.roundness(), outer.count / inner.count};
 }
 

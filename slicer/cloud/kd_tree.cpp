@@ -162,17 +162,24 @@ class NearestSet {
 /// nanoflann's result set for all points within a distance.
 class WithinSet {
  public:
-  WithinSet(float most2, FunctionRef<bool(Neighbour)> visit)
-      : most2_(most2), beyond2_(next_up(1.001F * most2)), visit_(visit) {}
+  WithinSet(float most2, std::span<Neighbour> found)
+      : most2_(most2), beyond2_(next_up(1.001F * most2)), found_(found) {}
   bool full() const { return false; }
   float worstDist() const { return beyond2_; }
   /// @returns whether to go on
-  bool addPoint(float distance2, PointIndex index) { return distance2 > most2_ || visit_({index, distance2}); }
+  bool addPoint(float distance2, PointIndex index) {
+    if (count_ == found_.size()) return false;
+    found_[count_] = {index, distance2};
+    count_ += distance2 <= most2_ ? 1 : 0;
+    return true;
+  }
+  std::size_t count() const { return count_; }
 
  private:
   float most2_;
   float beyond2_;  ///< mm^2: farther than asked for, since nanoflann rounds the distance of a node, and never 0
-  FunctionRef<bool(Neighbour)> visit_;
+  std::span<Neighbour> found_;
+  std::size_t count_ = 0;
 };
 
 }  // namespace
@@ -372,9 +379,10 @@ std::uint32_t KdTree<Dimension>::nearest(const Vec3f& query, std::span<Neighbour
 }
 
 template <int Dimension>
-void KdTree<Dimension>::within(const Vec3f& query, float most2, FunctionRef<bool(Neighbour)> visit) const {
-  WithinSet found(most2, visit);
-  impl_->index.findNeighbors(found, query.data(), {});
+std::size_t KdTree<Dimension>::within(const Vec3f& query, float most2, std::span<Neighbour> found) const {
+  WithinSet set(most2, found);
+  impl_->index.findNeighbors(set, query.data(), {});
+  return set.count();
 }
 
 template <int Dimension>

@@ -55,9 +55,10 @@ class KdTree {
   std::uint32_t nearest(const Vec3f& query, std::span<Neighbour> found, FunctionRef<bool(std::uint32_t)> accept,
                         float most2 = std::numeric_limits<float>::max()) const;
 
-  /// Calls `visit` for every point within a distance, in the order in which nanoflann meets them, until it returns false.
+  /// Finds the points within a distance, in the order in which nanoflann meets them.
   /// @param most2  square of the distance, mm^2
-  void within(const Vec3f& query, float most2, FunctionRef<bool(Neighbour)> visit) const;
+  /// @returns how many it found; as many as there is room for: there may be more
+  std::size_t within(const Vec3f& query, float most2, std::span<Neighbour> found) const;
 
   /// Calls `visit(first, last)` for ranges of order() that together hold every point in the box [low, high], and some
   /// outside it. The ranges ascend and don't touch: adjacent leaves are joined.

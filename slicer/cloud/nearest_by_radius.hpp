@@ -29,13 +29,11 @@ std::span<const Neighbour> nearest_by_radius(const KdTree3& tree, const Vec3f& q
   constexpr float kWider = 1.6F;
   const std::span<Neighbour> found = room;
   for (int tries = 0; tries < 3; ++tries) {
-    std::size_t count = 0;
-    tree.within(query, radius * radius, [&](Neighbour point) {
-      found[count] = point;
-      count += accept(point.index) ? 1 : 0;
-      return count < found.size();
-    });
-    const bool full = count == found.size();
+    const std::size_t within = tree.within(query, radius * radius, found);
+    const bool full = within == found.size();
+    const auto rejected =
+        std::ranges::remove_if(found.first(within), [&](const Neighbour& n) { return !accept(n.index); });
+    const std::size_t count = within - rejected.size();
     if (!full && count >= wanted) {
       const auto all = found.first(count);
       if (order == NearestOrder::kOfPoints) std::ranges::sort(all, {}, &Neighbour::index);

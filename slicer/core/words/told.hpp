@@ -21,6 +21,7 @@ enum class ToldCode : std::uint16_t {
   kTooManySupports,
   kMemoryNeeded,
   kTooSmall,
+  kOnePlace,
   kBelowFloor,
   kNoTriangles,
   kSurfaceNotFound,

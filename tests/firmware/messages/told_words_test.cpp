@@ -63,7 +63,8 @@ TEST(ToldWords, WhatToDoIsSaidInWordsOfTheOneWhoReads) {
   EXPECT_EQ(at_terminal(by_scale, "It is too high").view(),
             "It is too high. Use --scale 0.32 or less, --fit, or rotate it.");
   EXPECT_EQ(at_printer(by_scale, "It is too high").view(),
-            "It is too high. Under Settings, tilt it or print it smaller.");
+            "It is too high. Under Settings, tilt it or print it smaller, or set scale = 0.32 or less in job.toml on "
+            "the stick.");
   const Told by_size(ToldCode::kTooHigh, {{Fact::kMostMm, 61.5}}, "height");
   EXPECT_EQ(at_terminal(by_size, "It is too high").view(),
             "It is too high. Use --height 61.5mm or less, --fit, or rotate it.");

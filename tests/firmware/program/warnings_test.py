@@ -33,7 +33,7 @@ class Warnings(Program):
         self.assertEqual(len(told), 1, done.stderr)
         self.assertLess(told[0], ended[0])
         sentence = done.stderr.splitlines()[told[0]].removeprefix("plumbline: warning: ")
-        self.assertRegex(sentence, r"^the scan seems to lie on its side or its head\. To stand it up: --rotate-y -?90$")
+        self.assertRegex(sentence, r"^the scan seems to lie on its side or its head\. To stand it up: --rotate-y -?90\.$")
         self.assertEqual(self.manifest()["warnings"].count(sentence), 1)
         # The same in a print.
         done = self.run_it("print", self.scan, "--printer", SIM2K, "--supports", "none")
@@ -81,8 +81,7 @@ class PrinterWarnings(StatePrinter):
         done = self.run_it(*command)
         self.assertRegex(
             done.stderr,
-            r"warning: a floor of 40\.0 x 40\.0 x 3\.[2-8] mm was cut off; if it is a plinth, --floor keep prints it\. "
-            r"It ends at height .* of the scan\n",
+            r"warning: a floor of 40\.0 x 40\.0 x 3\.[2-8] mm was cut off, at height .* of the scan\. If it is a plinth, --floor keep prints it\.\n",
         )
         self.assertNotIn("lie on no surface", done.stderr)
         self.assertLess(self.manifest()["size_mm"][0], 17)

@@ -101,17 +101,17 @@ void expect_within(const KdTree<Dimension>& tree, const Points& points, Random& 
     for (std::uint32_t p = 0; p < points.size(); ++p) {
       if (distance2<Dimension>(points[p], query) <= most2) expected.push_back(p);
     }
+    std::vector<Neighbour> room(points.size() + 1);
+    room.resize(tree.within(query, most2, room));
     std::vector<std::uint32_t> found;
-    tree.within(query, most2, [&](Neighbour n) {
+    for (const Neighbour& n : room) {
       EXPECT_EQ(n.distance2, distance2<Dimension>(points[n.index], query));
       found.push_back(n.index);
-      return true;
-    });
+    }
     std::sort(found.begin(), found.end());
     ASSERT_EQ(found, expected);
-    std::size_t calls = 0;
-    tree.within(query, most2, [&](Neighbour) { return ++calls < 2; });
-    ASSERT_EQ(calls, std::min<std::size_t>(2, expected.size())) << "ends when it is told to";
+    std::array<Neighbour, 2> few;
+    ASSERT_EQ(tree.within(query, most2, few), std::min<std::size_t>(2, expected.size())) << "ends where its room does";
   }
 }
 

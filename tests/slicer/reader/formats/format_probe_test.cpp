@@ -152,7 +152,7 @@ TEST(FormatProbe, AMeshWithoutPointsIsNotReadAsAScan) {
     const auto reading = read(bytes, "scan.bin");
     EXPECT_EQ(reading.code(), ErrorCode::kUnsupported) << what;
     EXPECT_THAT(reading.message(), HasSubstr("scan.bin: this is "s + what));
-    EXPECT_THAT(reading.message(), HasSubstr("slice it as a mesh"));
+    EXPECT_THAT(reading.message(), HasSubstr("read it as a mesh"));
     EXPECT_EQ(reading.sink.begun, 0);
   }
 }
