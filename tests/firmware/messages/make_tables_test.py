@@ -1,0 +1,54 @@
+#!/usr/bin/env python3
+"""Makes tables from changed texts: a new language needs nothing but its file, and what is wrong with a file is named."""
+
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+MESSAGES = "firmware/messages"
+
+
+class MakeTables(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        shutil.copytree(ROOT / MESSAGES, self.root / MESSAGES)
+        words = "slicer/core/words"
+        (self.root / words).mkdir(parents=True)
+        shutil.copy(ROOT / words / "told.hpp", self.root / words)
+        self.out = self.root / "out"
+        self.out.mkdir()
+
+    def add(self, name, change):
+        text = (self.root / MESSAGES / "de.toml").read_text(encoding="utf-8").replace('"German"', '"French"')
+        (self.root / MESSAGES / name).write_text(change(text), encoding="utf-8")
+
+    def make(self):
+        return subprocess.run([sys.executable, "-B", self.root / MESSAGES / "make_tables.py", self.root / MESSAGES, self.out], capture_output=True, text=True)
+
+    def test_a_third_language_is_a_file(self):
+        self.add("fr.toml", lambda text: text)
+        made = self.make()
+        self.assertEqual((made.returncode, made.stderr), (0, ""))
+        header = (self.out / "message_tables.hpp").read_text(encoding="utf-8")
+        self.assertIn("enum class Language : std::uint8_t { kEnglish, kGerman, kFrench };", header)
+        self.assertIn('kLanguageCodes = {"en", "de", "fr"};', header)
+        self.assertIn('"fr":{"told":{"too_wide"', (self.out / "words.js").read_text(encoding="utf-8"))
+
+    def test_what_is_missing_or_unknown_is_named(self):
+        for change, said in ((("island = {", "iland = {"), "[messages] has no 'island': add it"),
+                             (('ready = "Bereit"\n', ""), "[screen] has no 'ready': add it"),
+                             (("[fields]\n", '[fields]\ncolour = "Farbe"\n'), "nothing asks for 'colour' of [fields]: correct or remove it")):
+            self.add("fr.toml", lambda text, change=change: text.replace(*change, 1))
+            made = self.make()
+            self.assertNotEqual(made.returncode, 0)
+            self.assertIn(f"fr.toml: {said}", made.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
