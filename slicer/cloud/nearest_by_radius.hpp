@@ -31,9 +31,9 @@ std::span<const Neighbour> nearest_by_radius(const KdTree3& tree, const Vec3f& q
   for (int tries = 0; tries < 3; ++tries) {
     const std::size_t within = tree.within(query, radius * radius, found);
     const bool full = within == found.size();
-    const auto rejected =
-        std::ranges::remove_if(found.first(within), [&](const Neighbour& n) { return !accept(n.index); });
-    const std::size_t count = within - rejected.size();
+    const auto kept = std::remove_if(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(within),
+                                     [&](const Neighbour& n) { return !accept(n.index); });
+    const auto count = static_cast<std::size_t>(kept - found.begin());
     if (!full && count >= wanted) {
       const auto all = found.first(count);
       if (order == NearestOrder::kOfPoints) std::ranges::sort(all, {}, &Neighbour::index);

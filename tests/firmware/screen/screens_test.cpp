@@ -235,14 +235,13 @@ std::vector<ScreenCase> golden_cases() {
       {"fault-of-scan",
        with(kFault,
             [](auto& record, auto&) {
+              const Told told(
+                  ToldCode::kTooHigh,
+                  {{Fact::kHeightMm, 182.4}, {Fact::kLimitMm, 150}, {Fact::kExcessMm, 32.4}, {Fact::kMostScale, 0.82}});
               record.set_fault(
                   FaultCode::kDoesNotFit,
-                  "the object is 182.40 mm high (z), but the printer has room for 150.00 mm: 32.40 mm too "
-                  "much",
-                  "Under Settings, tilt it or print it smaller. Or use scale = 0.82 or less, fit = true, or rotate it "
-                  "(in "
-                  "job.toml on the stick).",
-                  {ToldCode::kTooHigh, {{Fact::kHeightMm, 182.4}, {Fact::kLimitMm, 150}, {Fact::kExcessMm, 32.4}}});
+                  "the object is 182.40 mm high (z), but the printer has room for 150.00 mm: 32.40 mm too much",
+                  filled_in(english_remedies(told.code).remedy, told, Language::kEnglish).view(), told);
             })},
       {"ending", with(kSuspended)},
       {"page-code", with(kPrinting, [](auto& record, auto&) { assign(record.code, "482913"); })},
