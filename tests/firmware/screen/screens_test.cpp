@@ -19,6 +19,7 @@
 
 #include "firmware/messages/catalogue.hpp"
 #include "firmware/messages/printer_code.hpp"
+#include "firmware/messages/told_text.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/screen/light_card.hpp"
 #include "firmware/screen/screen_kind.hpp"
