@@ -22,9 +22,9 @@ namespace plumbline {
                                                               Arena& arena, ProgressSink* progress,
                                                               PreparationCounts& report);
 
-/// Opens sources and calls on_mesh(files, survey, sources) if they are a mesh, else on_scan(sources). Files with a .conf are views of a scanner, and are read
-/// as scans. The sources that it hands on are at
-/// their beginning again. What was taken from the top of the arena is released.
+/// Opens sources and calls on_mesh(files, survey, sources) if they are a mesh, else on_scan(sources). Files with a .conf are views of a
+/// scanner, and are read as scans. The sources that it hands on are at their beginning again. What was taken from the top of the arena is
+/// released.
 /// @returns what was called returns, or an error of the type that on_scan returns
 template <class OnMesh, class OnScan>
 auto read_mesh_or_scan(ScanSources given, const SliceSettings& settings, Arena& arena, ProgressSink* progress,

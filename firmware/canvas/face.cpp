@@ -3,15 +3,16 @@
 #include <freetype/freetype.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <new>
 
 namespace plumbline {
 namespace {
 
-/// ASCII, then what German, texts of plumbline and the buttons need, by code.
-constexpr std::uint16_t kFirstAscii = 0x20, kLastAscii = 0x7E;
-constexpr std::u16string_view kFurther = u"°²µ·ÄÖ×Üßäéöü–“”„…▶⚠✓✖❚\uFFFD";
+/// ASCII and Latin-1, for the languages of western Europe, then what texts of plumbline and the buttons need besides, by code.
+constexpr std::array<std::array<std::uint16_t, 2>, 2> kRanges{{{0x20, 0x7E}, {0xA1, 0xFF}}};
+constexpr std::u16string_view kFurther = u"–“”„…▶⚠✓✖❚\uFFFD";
 static_assert(std::is_sorted(kFurther.begin(), kFurther.end()) && kFurther.back() == kUnknownCharacter);
 
 /// Below this x-height glyphs are hinted, upwards only: rows are sharp, shapes and widths stay those of the font. Above it, hinting would
@@ -98,7 +99,9 @@ Face::Face(FontWeight weight, int x_height) : x_height_(x_height), descent_((x_h
       }
     }
   };
-  for (std::uint16_t code = kFirstAscii; code <= kLastAscii; ++code) add(code);
+  for (const auto& [first, last] : kRanges) {
+    for (std::uint16_t code = first; code <= last; ++code) add(code);
+  }
   for (const char16_t code : kFurther) add(code);
   covers_.shrink_to_fit();
   check(FT_Load_Char(font.get(), 'H', load));

@@ -95,7 +95,7 @@ struct ReleaseFilter {
   void operator()(void* filter) const { seccomp_release(filter); }
 };
 
-/// A filter under construction, on the heap. A call by another machine's numbers ends the process.
+/// Builds a filter on the heap. A call by the numbers of another architecture kills the process.
 class Filter {
  public:
   explicit Filter(std::uint32_t otherwise) : filter_(seccomp_init(otherwise)) {

@@ -3,7 +3,6 @@
 #include <array>
 
 #include "firmware/io/wall_clock.hpp"
-#include "firmware/messages/catalogue.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/messages/told_text.hpp"
 #include "firmware/print/status/print_lines.hpp"
@@ -292,8 +291,7 @@ void StateRecorder::refused(FaultCode code, const Error& error) {
   const FaultText fault = explain(code, error.finding(), error.advice());
   const bool of_scan = code == fault_of(error.code());
   const Told told = error.told().empty() && of_scan ? told_of(error.code()) : error.told();
-  const std::string_view known = english_remedies(told.code).remedy;
-  const ToldText advice = filled_in(known.empty() ? fault.advice.view() : known, told, Language::kEnglish);
+  const ToldText advice = printer_remedy(told, fault.advice.view());
   record_.set_fault(code, error.finding(), advice.view(), told);
   if (record_.job && record_.job->chosen && *record_.job->chosen < record_.scan_count) {
     assign(record_.scans[*record_.job->chosen].problem, fault.what.view());

@@ -31,7 +31,7 @@ class FolderScans {
   [[nodiscard]] Expected<std::vector<std::string>> paths(std::string_view folder) const;
 
  private:
-  std::vector<std::string> names_;  ///< kMostScans at most
+  std::vector<std::string> names_;  ///< of scans and of .conf files, kMostScans of each at most
   std::size_t count_ = 0;
   std::string foreign_;  ///< the first by name that foreign_format() knows; empty: there is none
 };

@@ -1,5 +1,5 @@
 #pragma once
-/// What people read on the printer's screen and page, in each language: en.toml, de.toml, ... as tables.
+/// The texts of en.toml, de.toml and any other language, as tables.
 
 #include <cstdint>
 #include <optional>

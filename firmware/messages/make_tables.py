@@ -11,11 +11,13 @@ import sys
 import tomllib
 
 CODES = ("slicer/core/words/told.hpp", "ToldCode"), ("firmware/messages/printer_code.hpp", "PrinterCode")
-FLAT = "screen", "fields", "sources", "faults", "page"  # the same keys in each language
+SECTIONS = "screen", "fields", "sources", "faults", "page"  # with the same keys in each language
+PLACE = r"\{\w+(?:\?[^|{}]*\|[^|{}]*)?\}"
+PLACES = re.compile(rf"(?:[^][{{}}]|{PLACE}|\[(?:[^][{{}}]|{PLACE})*\])*")
 
 
 def snake(name):
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Za-z])(?=[0-9])", "_", name).lower()
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 def camel(key):
@@ -43,6 +45,30 @@ def same_keys(path, section, found, wanted):
         sys.exit(f"{path}: nothing asks for '{key}' of [{section}]: correct or remove it")
 
 
+def texts_of(table):
+    for value in table.values():
+        yield from texts_of(value) if isinstance(value, dict) else [value]
+
+
+def check_places(path, text, facts):
+    for key, said in text["messages"].items():
+        for words in said.values():
+            if not PLACES.fullmatch(words):
+                sys.exit(f"{path}: [messages] {key}: a bracket has no other end, or stands in another one: correct it")
+            for name in set(re.findall(r"\{(\w+)", words)) - facts:
+                sys.exit(f"{path}: [messages] {key}: there is no fact '{name}': correct it")
+
+
+def check_characters(path, text, face):
+    """What the screen shows must be in its font."""
+    further = re.search(r'kFurther = u"(.*?)"', face).group(1)
+    for section in SECTIONS[:-1] + ("messages",):
+        for words in texts_of(text[section]):
+            for letter in words:
+                if not (" " <= letter <= "~" or "\xa1" <= letter <= "\xff" or letter in further):
+                    sys.exit(f"{path}: [{section}] has a '{letter}', which the screen's font is made without: add it to kFurther of firmware/canvas/face.cpp")
+
+
 def quoted(text):
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
 
@@ -52,7 +78,7 @@ def rows(values):
 
 
 def write(path, text):
-    """Leaves the file alone if it is the same, so that nothing is built again."""
+    """Leaves an unchanged file alone, so that nothing is rebuilt."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.write_text(text, encoding="utf-8")
 
@@ -62,12 +88,18 @@ def main():
     files = sorted(source.glob("*.toml"), key=lambda path: (path.stem != "en", path.stem))
     texts = {path: tomllib.loads(path.read_text(encoding="utf-8")) for path in files}
     english = texts[files[0]]
-    codes = list(code_keys(source.parent.parent))
+    root = source.parent.parent
+    codes = list(code_keys(root))
+    formats = (source / "printer_code.cpp").read_text(encoding="utf-8")
+    facts = {"name", *re.findall(r'^ *\{"(\w+)"', formats, re.MULTILINE)}
+    face = (root / "firmware/canvas/face.cpp").read_text(encoding="utf-8")
     for path, text in texts.items():
-        for section in FLAT:
+        for section in SECTIONS:
             same_keys(path, section, set(keys_of(text[section])), set(keys_of(english[section])))
         said = set(text["messages"])
         same_keys(path, "messages", said, said & set(codes) if text is english else set(codes))
+        check_places(path, text, facts)
+        check_characters(path, text, face)
 
     languages = list(texts.values())
     write(output / "message_tables.hpp", f"""#pragma once
@@ -118,7 +150,6 @@ constexpr std::array<std::string_view, {len(codes) + 1}> kCodeKeys = {{
     page = {path.stem: text["page"] for path, text in texts.items()}
     printer = {path.stem: {"told": {key: [value["text"], value.get("remedy", "")] for key, value in text["messages"].items() if "text" in value},
                            "faults": text["faults"], "fields": text["fields"], "sources": text["sources"]} for path, text in texts.items()}
-    formats = (source / "printer_code.cpp").read_text(encoding="utf-8")
     digits = {name: int(count) for name, count in re.findall(r'\{"(\w+)", (-?\d+)\}', formats)}
     constants = {"texts": page, "printerTexts": printer, "factDigits": digits}
     write(output / "words.js", '"use strict";\n' + "".join(f"const {name} = {json.dumps(value, ensure_ascii=False, separators=(',', ':'))};\n"

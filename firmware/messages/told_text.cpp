@@ -118,6 +118,14 @@ Advised at_printer(const Told& told, std::string_view sentence) {
   return advised(sentence, english_remedies(told.code).remedy, told);
 }
 
+ToldText printer_remedy(const Told& told, std::string_view advice) {
+  const std::string_view known = english_remedies(told.code).remedy;
+  if (!known.empty()) return filled_in(known, told, Language::kEnglish);
+  ToldText text;
+  text.add("%.*s", static_cast<int>(advice.size()), advice.data());
+  return text;
+}
+
 Advised at_terminal(const Error& error) {
   const bool known = !english_remedies(error.told().code).terminal.empty();
   return at_terminal(error.told(), known ? error.finding() : error.message());

@@ -22,6 +22,8 @@ using Advised = FixedText<1000>;
 /// An English sentence with what to do about it: with options of the command line, or with the printer's settings and job.toml.
 Advised at_terminal(const Told& told, std::string_view sentence);
 Advised at_printer(const Told& told, std::string_view sentence);
+/// What to do at the printer: that of the code, or else `advice` as it is.
+ToldText printer_remedy(const Told& told, std::string_view advice);
 /// The error's message, with options of the command line.
 Advised at_terminal(const Error& error);
 

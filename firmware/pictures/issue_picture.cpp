@@ -7,7 +7,7 @@
 #include "firmware/pictures/preview/preview.hpp"
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "slicer/checks/overhangs.hpp"
-#include "slicer/regions/layer_regions.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 
 namespace plumbline {

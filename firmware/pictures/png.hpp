@@ -48,7 +48,7 @@ class PngRows {
   [[nodiscard]] Expected<PngHeader> header();
   /// @pre header() has succeeded
   [[nodiscard]] Status begin(Form form);
-  /// Decodes the next row: from the top, or as the passes of an interlaced file come.
+  /// Decodes the next row: from the top down, or in the order of an interlaced file's passes.
   /// @param line  the bytes of a whole row. Of an interlaced file, pixels that other passes have are left as they are
   /// @returns which row it is
   /// @pre rows_left() > 0

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
+#include "slicer/core/regions/island_share.hpp"
 #include "slicer/core/resin/peel_force.hpp"
 #include "slicer/placement/placement.hpp"
-#include "slicer/regions/island_share.hpp"
 
 namespace plumbline {
 

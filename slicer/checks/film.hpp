@@ -9,7 +9,7 @@
 #include "slicer/core/bit_spans.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
-#include "slicer/regions/layer_regions.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
 
 namespace plumbline {
 

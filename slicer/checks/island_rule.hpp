@@ -10,7 +10,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
-#include "slicer/regions/layer_regions.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/supports/near.hpp"
 
 namespace plumbline {

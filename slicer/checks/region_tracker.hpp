@@ -16,8 +16,8 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
-#include "slicer/regions/layer_regions.hpp"
-#include "slicer/regions/region_contacts.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
+#include "slicer/core/regions/region_contacts.hpp"
 
 namespace plumbline {
 

@@ -15,7 +15,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
 #include "slicer/core/print_grid.hpp"
-#include "slicer/regions/layer_regions.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
 
 namespace plumbline {
 

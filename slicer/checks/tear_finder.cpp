@@ -170,7 +170,7 @@ void TearFinder::carry_suction(const LayerRegions& stayed) {
       ++kept;
     }
     number[region] = static_cast<std::uint16_t>(whole.renamed);
-    // The white run to the left of its first one is in the region round it.
+    // The white run to the left of its first run belongs to the region around it.
     held_[number[stayed.region(region - 1)]].sealed_mm2 +=
         stayed.area(region) * pixel_mm2_ * PeelSettings::share_of_part(whole.plate_pixels, whole.mouth_pixels);
   }

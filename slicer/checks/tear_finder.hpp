@@ -10,11 +10,11 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
 #include "slicer/core/print_grid.hpp"
+#include "slicer/core/regions/hold_network.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
+#include "slicer/core/regions/region_contacts.hpp"
+#include "slicer/core/regions/region_shapes.hpp"
 #include "slicer/core/resin/peel_force.hpp"
-#include "slicer/regions/hold_network.hpp"
-#include "slicer/regions/layer_regions.hpp"
-#include "slicer/regions/region_contacts.hpp"
-#include "slicer/regions/region_shapes.hpp"
 
 namespace plumbline {
 

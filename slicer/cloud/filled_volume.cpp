@@ -16,9 +16,11 @@ struct Around {
   double growth = 0;
 };
 
-/// The points of a ball.
-constexpr std::size_t kMostAround = 4096;  ///< four times as many as where points fill a volume evenly
+/// Points around one that are looked at: four times as many as there are where they fill a volume evenly. Of more, those that the search
+/// finds first.
+constexpr std::size_t kMostAround = 4096;
 
+/// The points of a ball.
 struct Moments {
   void add(const Vec3d& d) {
     ++count;

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "slicer/core/disjoint_sets.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/layers/rrep_edit.hpp"
-#include "slicer/regions/layer_regions.hpp"
 
 namespace plumbline {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "slicer/core/bit_spans.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/layers/layer_stream.hpp"
-#include "slicer/regions/layer_regions.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/disjoint_sets.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/regions/island_share.hpp"
+#include "slicer/core/regions/island_share.hpp"
 #include "slicer/supports/window.hpp"
 
 namespace plumbline {

@@ -8,8 +8,8 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/regions/island_share.hpp"
-#include "slicer/regions/layer_regions.hpp"
+#include "slicer/core/regions/island_share.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/supports/tips.hpp"
 
 namespace plumbline {

@@ -11,25 +11,24 @@ from pathlib import Path
 # Target -> targets it may include, besides itself. A file belongs to the deepest target that holds it: "hal" excludes "hal/linux".
 MAY_INCLUDE = {
     "slicer/core": set(),
-    "slicer/regions": {"slicer/core"},
-    "slicer": {"slicer/core", "slicer/regions"},
+    "slicer": {"slicer/core"},
     "slicer/example": {"slicer/core", "slicer"},  # a program as a user of the library would write it
     "hal": {"slicer/core"},
     "hal/linux": {"slicer/core", "hal"},
-    "hal/sim": {"slicer/core", "slicer/regions", "hal"},
+    "hal/sim": {"slicer/core", "hal"},
     # One file for each back end of the HAL may include it: see COMPOSITION.
     "firmware": {"slicer/core", "slicer", "hal", "firmware/pictures", "firmware/canvas"},
     "firmware/canvas": {"slicer/core"},
-    "firmware/pictures": {"slicer/core", "slicer/regions", "slicer", "firmware/canvas"},
-    "tests": {"slicer/core", "slicer/regions", "slicer", "hal", "hal/linux", "hal/sim", "firmware", "firmware/canvas", "firmware/pictures"},
+    "firmware/pictures": {"slicer/core", "slicer", "firmware/canvas"},
+    "tests": {"slicer/core", "slicer", "hal", "hal/linux", "hal/sim", "firmware", "firmware/canvas", "firmware/pictures"},
 }
 
-# Folder -> its subfolders in the data's order. Each may include those before it. The files directly in the folder come last
-# and may include all of them; no subfolder includes those files.
+# Folder -> its subfolders in the data's order. Each may include those before it. The files directly in the folder come last, unless "." has
+# their place.
 ORDER = {
-    "slicer": ["core", "regions", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "mesh", "rays",
+    "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "mesh", "rays",
                "layers", "supports", "checks", "plan"],
-    "slicer/core": ["numbers", "words", "resin"],
+    "slicer/core": ["numbers", "words", "resin", ".", "regions"],
     "slicer/reader/formats": ["e57", "pcd", "splats", "tables"],
     "slicer/reader": ["stream", "records", "formats", "triangles"],
     "slicer/supports": ["drawing"],
@@ -89,10 +88,10 @@ def position(parent, path):
     @returns (rank, folder), the higher the later; rank None for a subfolder that has no place in the order
     """
     rest = path[len(parent) + 1 :].split("/")
-    if len(rest) == 1:
-        return len(ORDER[parent]), parent
-    rank = ORDER[parent].index(rest[0]) if rest[0] in ORDER[parent] else None
-    return rank, f"{parent}/{rest[0]}"
+    own = len(rest) == 1
+    name = "." if own else rest[0]
+    rank = ORDER[parent].index(name) if name in ORDER[parent] else len(ORDER[parent]) if own else None
+    return rank, parent if own else f"{parent}/{name}"
 
 
 def wrong_way(path, included):
@@ -107,7 +106,8 @@ def wrong_way(path, included):
             if rank is None:
                 return f"{folder} has no place in the order of {parent}: give it one in ORDER ({', '.join(order)})"
         if to_rank > from_rank:
-            return f"{here} -> {there} is the wrong way: the order in {parent} is {', '.join(order)}, then {parent}'s own files"
+            names = ", ".join(order) + ("" if "." in order else f", then {parent}'s own files")
+            return f"{here} -> {there} is the wrong way: the order in {parent} is {names}"
     return None
 
 
@@ -155,7 +155,7 @@ def check(root):
             else:
                 if folder_of(angled) is not None and (root / angled).exists():
                     violations.append(f'{at}: <{angled}>: our headers go in quotes')
-                if here in ("slicer", "slicer/core", "slicer/regions") and NOT_IN_SLICER.fullmatch(angled):
+                if here in ("slicer", "slicer/core") and NOT_IN_SLICER.fullmatch(angled):
                     violations.append(f"{at}: <{angled}>: the slicer uses no threads except OpenMP's, no files, devices or clock")
                 if angled in users and here != "tests":
                     users[angled].append(at)

@@ -93,11 +93,13 @@ class CheckIncludes(unittest.TestCase):
                          "firmware/pictures/bad.cpp:1", "firmware/pictures may not include firmware;")
 
     def test_a_folder_does_not_include_a_later_one(self):
-        order = "core, regions, reader, cloud, placement, orientation, implicit, normals, views, surface, rrep, mesh, rays, layers, supports, checks, plan"
+        order = "core, reader, cloud, placement, orientation, implicit, normals, views, surface, rrep, mesh, rays, layers, supports, checks, plan"
         self.assert_only({"slicer/cloud/bad.hpp": '#include "slicer/plan/memory_plan.hpp"\n'}, "slicer/cloud/bad.hpp:1",
                          f"slicer/cloud -> slicer/plan is the wrong way: the order in slicer is {order}, then")
         self.assert_only({"slicer/rays/deep/bad.cpp": '#include "slicer/layers/mask.hpp"\n'}, "slicer/rays/deep/bad.cpp:1",
                          "slicer/rays -> slicer/layers is the wrong way")
+        self.assert_only({"slicer/core/arena.hpp": '#include "slicer/core/regions/layer_regions.hpp"\n'}, "slicer/core/arena.hpp:1",
+                         "the order in slicer/core is numbers, words, resin, ., regions")
         self.assert_only({"slicer/reader/stream/bad.cpp": '#include "slicer/reader/formats/ply.hpp"\n'},
                          "slicer/reader/stream/bad.cpp:1", "the order in slicer/reader is stream, records, formats, triangles, then")
         self.assert_only({"firmware/io/bad.cpp": '#include "firmware/cli/commands.hpp"\n'},

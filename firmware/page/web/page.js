@@ -2,7 +2,7 @@
 "use strict";
 
 const language = Object.keys(texts).find((code) => navigator.language.startsWith(code)) || "en";
-const words = texts[language], said = printerTexts[language];
+const words = texts[language], said = printerTexts[language];  // the state has the English sentences of messages itself
 const $ = (id) => document.getElementById(id);
 let state = null;
 let access = {page: "local", paired: false};

@@ -18,7 +18,7 @@ inline constexpr std::uint32_t kPreviewColumns = 1600;  ///< pixels
 inline constexpr std::uint32_t kPreviewRows = 900;      ///< pixels
 inline constexpr std::size_t kPageBytes = picture_bytes(kPreviewColumns, kPreviewRows);
 
-/// Text on the picture. ASCII; other bytes show as a box. Lines that are too long are cut.
+/// Text on the picture, UTF-8. Lines that are too long are cut.
 struct PreviewText {
   std::string_view name;                       ///< of the scan, top left
   std::string_view size;                       ///< of the object and its layers, top right

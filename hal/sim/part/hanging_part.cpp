@@ -164,7 +164,7 @@ void HangingPart::peel(BitImage lit, ConstBitImage asked) {
     const double mouth = here_.runs().area(gaps[gap]) * pixel_mm2_;
     // Where the plate is the ceiling, it is pulled at and no joint. Of a part that is hung on, the ceiling is unknown.
     const double carried = on_part_ ? mouth : mouth * cavities_.share_of_part(gap);
-    // The white run to the left of its first one is in the region round it: what stands within has a row of the gap above it.
+    // The white run to the left of its first run belongs to the region around it: whatever stands inside has a row of the gap above it.
     sealed_mm2_[here_.number(here_.runs().region(gaps[gap] - 1))] += carried;
     suction_mm2_ += mouth;
     plate_mm2 += mouth - carried;

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "slicer/regions/max_flow.hpp"
+#include "slicer/core/regions/max_flow.hpp"
 
 namespace plumbline {
 

@@ -7,8 +7,8 @@
 
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/bit_spans.hpp"
-#include "slicer/regions/layer_regions.hpp"
-#include "slicer/regions/region_shapes.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
+#include "slicer/core/regions/region_shapes.hpp"
 
 namespace plumbline {
 

@@ -1,4 +1,4 @@
-#include "slicer/regions/region_shapes.hpp"
+#include "slicer/core/regions/region_shapes.hpp"
 
 #include <gtest/gtest.h>
 

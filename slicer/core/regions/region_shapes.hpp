@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "slicer/regions/layer_regions.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
 
 namespace plumbline {
 

@@ -7,7 +7,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/regions/layer_regions.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
 
 namespace plumbline {
 

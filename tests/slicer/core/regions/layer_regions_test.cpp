@@ -1,4 +1,4 @@
-#include "slicer/regions/layer_regions.hpp"
+#include "slicer/core/regions/layer_regions.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "slicer/regions/region_contacts.hpp"
+#include "slicer/core/regions/region_contacts.hpp"
 
 #include <algorithm>
 

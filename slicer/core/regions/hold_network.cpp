@@ -1,4 +1,4 @@
-#include "slicer/regions/hold_network.hpp"
+#include "slicer/core/regions/hold_network.hpp"
 
 #include <algorithm>
 #include <tuple>

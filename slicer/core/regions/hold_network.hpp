@@ -8,7 +8,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
-#include "slicer/regions/max_flow.hpp"
+#include "slicer/core/regions/max_flow.hpp"
 
 namespace plumbline {
 
