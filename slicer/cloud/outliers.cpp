@@ -19,7 +19,7 @@ constexpr float kSparse = 2;  ///< times the median distance: a quarter of its d
 constexpr std::uint32_t kOfSheet = 16;  ///< nearest points that may be a sheet
 // Most of the second variance that the least may be. Fewer than 1 of 1,000 points at random have so little.
 constexpr double kFlat = 0.1;      ///< of all points
-constexpr double kFlatter = 0.03;  ///< of those nearest to their plane, and of sparse ones
+constexpr double kFlatter = 0.03;  ///< of those nearest to their plane
 constexpr double kWide = 0.05;  ///< least of the first variance that the second may be: a string of points is no sheet
 /// One outlier in so many points, and fewer, are left to the clustering: a few points at open rims and in deep bores look like outliers.
 constexpr std::uint32_t kFew = 100;
@@ -139,7 +139,7 @@ class Outliers {
     const auto sparse = [&](std::uint32_t j) { return is_marked(j); };
     if (tree_.nearest(p, around, sparse, kFar * kFar * reach2_) <= kOfSheet) return false;
     const PrincipalAxes all = principal_axes(p, around, cloud_.position);
-    return is_flat(all, kFlatter) && lies_on(sheet(around, p, all), p, static_cast<double>(around[kNear].distance2));
+    return is_flat(all, kFlat) && lies_on(sheet(around, p, all), p, static_cast<double>(around[kNear].distance2));
   }
 
   Cloud& cloud_;
