@@ -1,6 +1,7 @@
 #include "slicer/core/error.hpp"
 
 #include <array>
+#include <atomic>
 #include <cstdio>
 #include <cstring>
 
@@ -50,9 +51,54 @@ std::string_view to_string(ErrorCode code) {
   return "Unknown";
 }
 
+struct Error::Row {
+  std::atomic<std::uint32_t> users = 0;  ///< errors that have it; 0: free
+  std::uint16_t advice_at = 0;           ///< in the message; 0: no advice
+  std::array<char, kCapacity> message{};
+  Told told;
+};
+
+Error::Row Error::rows[kRows];
+
+Error::Error(ErrorCode code) : code_(code) {
+  for (Row& row : rows) {
+    std::uint32_t free = 0;
+    if (!row.users.compare_exchange_strong(free, 1)) continue;
+    row_ = &row;
+    row.advice_at = 0;
+    row.told = {};
+    return;
+  }
+}
+
+Error::Error(const Error& other) noexcept : code_(other.code_), row_(other.row_) {
+  if (row_ != nullptr) ++row_->users;
+}
+
+Error::~Error() {
+  if (row_ != nullptr) --row_->users;
+}
+
+const char* Error::message() const { return row_ != nullptr ? row_->message.data() : to_string(code_).data(); }
+
+std::string_view Error::advice() const {
+  return row_ != nullptr && row_->advice_at > 0 ? message() + row_->advice_at : std::string_view();
+}
+
+const Told& Error::told() const {
+  static const Told kNothing;
+  return row_ != nullptr ? row_->told : kNothing;
+}
+
+Error& Error::tell(const Told& told) {
+  if (row_ != nullptr) row_->told = told;
+  return *this;
+}
+
 Error Error::format_list(ErrorCode code, const char* pattern, std::va_list args) {
-  Error error;
-  error.code_ = code;
+  Error error(code);
+  if (error.row_ == nullptr) return error;
+  Row& row = *error.row_;
   std::va_list again;
   va_copy(again, args);
   // Room for a character more than a message has, so that PrintableText sees what has to be cut.
@@ -74,13 +120,13 @@ Error Error::format_list(ErrorCode code, const char* pattern, std::va_list args)
     }
   }
   va_end(again);
-  std::size_t size = PrintableText(finding, kCapacity - 1).view().copy(error.message_, kCapacity - 1);
+  std::size_t size = PrintableText(finding, kCapacity - 1).view().copy(row.message.data(), kCapacity - 1);
   if (!advice.empty() && size + 1 < kCapacity - 1) {
-    error.message_[size++] = ' ';
-    error.advice_at_ = static_cast<std::uint16_t>(size);
-    size += PrintableText(advice, kCapacity - 1 - size).view().copy(error.message_ + size, kCapacity - 1 - size);
+    row.message[size++] = ' ';
+    row.advice_at = static_cast<std::uint16_t>(size);
+    size += PrintableText(advice, kCapacity - 1 - size).view().copy(row.message.data() + size, kCapacity - 1 - size);
   }
-  error.message_[size] = '\0';
+  row.message[size] = '\0';
   return error;
 }
 
@@ -107,15 +153,15 @@ tl::unexpected<Error> telling(const Told& told, tl::unexpected<Error> error) {
 
 Error Error::with_prefix(std::string_view prefix) const {
   const auto length = static_cast<int>(prefix.size());
-  if (advice_at_ == 0) return format(code_, "%.*s: %s", length, prefix.data(), message_).tell(told_);
-  const int found = advice_at_ - 1;
-  return format(code_, "%.*s: %.*s\t%s", length, prefix.data(), found, message_, message_ + advice_at_).tell(told_);
+  if (advice().empty()) return format(code_, "%.*s: %s", length, prefix.data(), message()).tell(told());
+  const int found = static_cast<int>(advice().data() - message()) - 1;
+  return format(code_, "%.*s: %.*s\t%s", length, prefix.data(), found, message(), advice().data()).tell(told());
 }
 
 std::string_view Error::finding() const {
-  std::string_view text = message_;
-  if (advice_at_ == 0) return text;
-  text = text.substr(0, advice_at_);
+  std::string_view text = message();
+  if (advice().empty()) return text;
+  text.remove_suffix(advice().size());
   while (!text.empty() && std::string_view(" :.;").find(text.back()) != std::string_view::npos) text.remove_suffix(1);
   return text;
 }

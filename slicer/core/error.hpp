@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <utility>
 
 #include "slicer/core/words/told.hpp"
 
@@ -57,12 +58,23 @@ enum class ErrorCode : std::uint16_t {
 std::string_view to_string(ErrorCode code);
 
 /// A code and a message for the user: file, place, what was found, what to do. Where it is shown to people who read another language than
-/// English, it also has what is told as a code with values.
+/// English, it also has what is told as a code with values. What it says lies in a table of fixed size that all errors share, so that a
+/// Status is as small as two words; copies share a row.
 class Error {
  public:
-  /// Bytes of a message, terminator included; longer ones are cut. Every Expected<> carries as many, so a larger capacity
-  /// costs stack.
+  /// Bytes of a message, terminator included; longer ones are cut.
   static constexpr std::size_t kCapacity = 448;
+  /// Errors with different messages at a time. One more says only its code's name.
+  static constexpr std::size_t kRows = 64;
+
+  Error(const Error& other) noexcept;
+  Error(Error&& other) noexcept : code_(other.code_), row_(std::exchange(other.row_, nullptr)) {}
+  Error& operator=(Error other) noexcept {
+    std::swap(code_, other.code_);
+    std::swap(row_, other.row_);
+    return *this;
+  }
+  ~Error();
 
   /// Formats a message as printf does. A tab in the pattern separates what was found from what to do, and is shown as a
   /// space: "%s: is a folder.\tName the scan in it". Never allocates.
@@ -70,26 +82,27 @@ class Error {
   [[gnu::format(printf, 2, 0)]] static Error format_list(ErrorCode code, const char* pattern, std::va_list args);
 
   ErrorCode code() const { return code_; }
-  const char* message() const { return message_; }
+  const char* message() const;
   /// The message without its advice.
   std::string_view finding() const;
   /// What to do; empty if the message doesn't say.
-  std::string_view advice() const { return advice_at_ > 0 ? message_ + advice_at_ : ""; }
+  std::string_view advice() const;
   /// The same error with `prefix` and ": " before the message, for a caller that knows the file's name.
   Error with_prefix(std::string_view prefix) const;
 
   /// What the message says; empty() if it has no code of its own.
-  const Told& told() const { return told_; }
-  Error& tell(const Told& told) {
-    told_ = told;
-    return *this;
-  }
+  const Told& told() const;
+  /// @pre there is no copy of it yet
+  Error& tell(const Told& told);
 
  private:
-  ErrorCode code_ = ErrorCode::kMalformed;
-  std::uint16_t advice_at_ = 0;  ///< in message_; 0: no advice
-  char message_[kCapacity] = {};
-  Told told_;
+  struct Row;
+  static Row rows[kRows];
+
+  explicit Error(ErrorCode code);
+
+  ErrorCode code_;
+  Row* row_ = nullptr;  ///< null: all were taken
 };
 
 template <class T>

@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
+#include <optional>
 #include <set>
 #include <string>
+#include <thread>
+#include <vector>
 
 namespace plumbline {
 namespace {
@@ -55,6 +59,53 @@ TEST(Error, HasNoAdviceWithoutATabOrRoomForIt) {
   EXPECT_EQ(cut.finding(), cut.message());
   const Error full = Error::format(ErrorCode::kTruncated, "%s:\tcopy", found.substr(0, 430).c_str());
   EXPECT_EQ(full.with_prefix("twenty characters or so").advice(), "");
+}
+
+TEST(Error, IsSmallAndItsCopiesSayTheSame) {
+  EXPECT_LE(sizeof(Status), 32u);
+  std::optional<Error> first =
+      Error::format(ErrorCode::kNoPoints, "%s: has no points", "a.ply").tell(ToldCode::kFileEmpty);
+  const Error copy = *first;
+  Error assigned = Error::format(ErrorCode::kBusy, "busy");
+  assigned = copy;
+  first.reset();
+  const Error moved = std::move(assigned);
+  for (const Error* const error : {&copy, &moved}) {
+    EXPECT_EQ(error->code(), ErrorCode::kNoPoints);
+    EXPECT_STREQ(error->message(), "a.ply: has no points");
+    EXPECT_EQ(error->told().code, ToldCode::kFileEmpty);
+  }
+}
+
+TEST(Error, BeyondTheTableItsCodeIsLeft) {
+  std::vector<Error> errors;
+  for (std::size_t i = 0; i < Error::kRows; ++i)
+    errors.push_back(Error::format(ErrorCode::kMalformed, "number %zu", i));
+  EXPECT_STREQ(errors.back().message(), "number 63");
+  const Error beyond = Error::format(ErrorCode::kTruncated, "a.ply: %s\tadvice", "is cut").tell(ToldCode::kFileEmpty);
+  EXPECT_EQ(beyond.code(), ErrorCode::kTruncated);
+  EXPECT_STREQ(beyond.message(), "Truncated");
+  EXPECT_EQ(beyond.finding(), "Truncated");
+  EXPECT_EQ(beyond.advice(), "");
+  EXPECT_TRUE(beyond.told().empty());
+  errors.clear();
+  EXPECT_STREQ(Error::format(ErrorCode::kTruncated, "is cut").message(), "is cut");
+}
+
+TEST(Error, MayBeMadeByManyThreads) {
+  std::vector<std::thread> threads;
+  std::atomic<int> wrong = 0;
+  for (int t = 0; t < 8; ++t) {
+    threads.emplace_back([&wrong, t] {
+      for (int i = 0; i < 2000; ++i) {
+        const Error error = Error::format(ErrorCode::kMalformed, "%d of %d", i, t);
+        const Error copy = error.with_prefix("a");
+        if (std::string(copy.message()) != "a: " + std::to_string(i) + " of " + std::to_string(t)) ++wrong;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0);
 }
 
 TEST(Error, EveryCodeHasItsOwnName) {
