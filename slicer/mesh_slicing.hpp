@@ -29,8 +29,8 @@ namespace plumbline {
 template <class OnMesh, class OnScan>
 auto read_mesh_or_scan(ScanSources given, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                        PreparationCounts& report, OnMesh on_mesh, OnScan on_scan) -> decltype(on_scan(given)) {
-  if (has_pose_file(given)) return on_scan(given);
   const ArenaScope all(arena);
+  if (has_pose_file(given)) return on_scan(given);
   auto files = MeshFiles::open(given, arena);
   PLUMBLINE_TRY(files);
   const auto mesh = survey_mesh(*files, settings, arena, progress, report);

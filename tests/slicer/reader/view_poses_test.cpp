@@ -86,7 +86,9 @@ TEST(ViewPoses, DoNotChangeWhatIsPrinted) {
   const auto volume = [](std::vector<MemorySource> files) {
     std::vector<ByteSource*> sources;
     for (MemorySource& file : files) sources.push_back(&file);
-    return Slicing(ScanSources(sources), settings_with_pitch(0.2F), 64 * kMiB).volume();
+    Slicing sliced(ScanSources(sources), settings_with_pitch(0.2F), 64 * kMiB);
+    EXPECT_EQ(sliced.arena().top_used(), 0U);
+    return sliced.volume();
   };
   const double expected = volume({MemorySource(one, "a.ply")});
   EXPECT_NEAR(
