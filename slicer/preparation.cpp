@@ -79,6 +79,7 @@ class Preparation {
     PLUMBLINE_TRY(settle());
     PLUMBLINE_TRY(find_normals(false));
     if (!may_average()) {
+      const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
       PLUMBLINE_TRY(cluster(FloorChoice{FloorChoice::Kind::kKeep}));
       PLUMBLINE_TRY(check_has_surface(scan_, sources_, report_, settings_.placement));
     }

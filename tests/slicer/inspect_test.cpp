@@ -117,6 +117,20 @@ std::string without_normals(const Surface& surface) {
   return text;
 }
 
+/// Expects that each stage begins before it advances.
+class StageWatch final : public ProgressSink {
+ public:
+  void begin(Stage stage) override { running_ = stage; }
+  bool advance(Stage stage, double /*fraction*/) override {
+    EXPECT_EQ(running_, stage);
+    return true;
+  }
+  void end(Stage /*stage*/, std::size_t /*peak*/) override { running_.reset(); }
+
+ private:
+  std::optional<Stage> running_;
+};
+
 /// What slice(), inspect() and prepare_normals(), which orient uses, say about a scan.
 std::vector<std::string> said_about(const std::string& scan, const char* name) {
   SliceSettings settings = set_threads(settings_with_pitch(0.1F));
@@ -133,7 +147,8 @@ std::vector<std::string> said_about(const std::string& scan, const char* name) {
   const auto orient_it = [](ScanSources sources, const SliceSettings& with, Arena& arena) -> Status {
     PreparationReport report;
     const auto look = [](const PreparedScan&, const SurfaceSamples&) -> Status { return {}; };
-    return prepare_normals(sources, with, arena, nullptr, report, look);
+    StageWatch watch;
+    return prepare_normals(sources, with, arena, &watch, report, look);
   };
   using Command = Status (*)(ScanSources, const SliceSettings&, Arena&);
   std::vector<std::string> said;
