@@ -67,77 +67,65 @@ Expected<Placement> place_coarsely(const Box3d& bounds, double unit_mm, const Pl
   return placed;
 }
 
-Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, ScanSources sources,
-                                            SliceSettings settings, Arena& arena, ProgressSink* progress,
-                                            InspectReport& report, bool& prepared) {
-  const auto mesh = prepare_mesh(files, survey, sources, settings, arena, progress, report);
-  PLUMBLINE_TRY(mesh);
-  PLUMBLINE_TRY(check_extent(mesh->bounds, sources));
-  report.bounds = report.bounds_with_noise = mesh->bounds;
-  report.units = units_of(report.bounds, settings.placement);
-  const double unit_mm = millimetres_per(report.units);
-  report.placement = place(report.bounds, unit_mm, settings.placement);
-  prepared = true;
-  const auto coarse = place_coarsely(report.bounds, unit_mm, settings.placement, report.placement);
-  PLUMBLINE_TRY(coarse);
-  static_cast<PreparationCounts&>(report.coarse) = report;
-  report.coarse.placement = *coarse;
-  auto store = shoot_mesh(files, *mesh, settings, arena, progress, report.coarse);
-  report.mesh = report.coarse.mesh;
-  return store;
-}
-
-Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
-                                            ProgressSink* progress, InspectReport& report, bool& prepared) {
-  const auto measure_all = [&](const PreparedScan& scan, const KdTree3& tree) {
-    report.bounds = report.bounds_with_noise = scan.bounds();
-    return measure(scan, tree, arena, report);
-  };
-  const auto admit = [&](const PreparedScan& read) { return check_extent(read.bounds(), sources); };
-  auto scan = prepare(sources, settings, arena, progress, report, measure_all, admit);
-  PLUMBLINE_TRY(scan);
-  const PlacementSettings placing = heed_header(settings.placement, report.scan.header);
-  if (scan->cloud.size > 0 || report.floor.points == 0) {
-    PLUMBLINE_TRY(check_has_surface(*scan, sources, report, placing));
-  }
-  if (scan->cloud.size > 0) report.bounds = scan->bounds();
-  report.units = units_of(report.bounds, placing);
-  const double unit_mm = millimetres_per(report.units);
-  report.placement = place(report.bounds, unit_mm, placing);
-  prepared = true;
-  PLUMBLINE_TRY(check_surface(*scan, sources, report, placing));
-  const auto coarse = place_coarsely(report.bounds, unit_mm, placing, report.placement);
-  PLUMBLINE_TRY(coarse);
-  static_cast<PreparationCounts&>(report.coarse) = report;
-  move_to_print(*coarse, *scan, report, report.coarse);
-  return shoot_rays(scan->cloud, settings, arena, progress, report.coarse);
-}
-
-/// Leaves the crossings of the coarse R-Rep at the bottom of the arena.
-/// @param prepared  whether `report` has all of the preparation; an error after that is no error of inspect()
-Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
-                                       ProgressSink* progress, InspectReport& report, bool& prepared) {
-  const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources given) {
-    return find_mesh_crossings(files, survey, given, settings, arena, progress, report, prepared);
-  };
-  const auto of_scan = [&](ScanSources given) {
-    return find_scan_crossings(given, settings, arena, progress, report, prepared);
-  };
-  return read_mesh_or_scan(sources, settings, arena, progress, report, of_mesh, of_scan);
-}
-
 }  // namespace
 
-Status inspect(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+Status inspect(ScanSources given, const SliceSettings& asked, Arena& arena, ProgressSink* progress,
                InspectReport& report, CoarseLook look) {
-  SliceSettings checked = set_threads(settings);
-  checked.confidence = true;
+  SliceSettings settings = set_threads(asked);
+  settings.confidence = true;
+  const StageContext job{arena, progress, report};
+  const StageContext coarsely{arena, progress, report.coarse};
+  bool prepared = false;  // whether `report` has all of the preparation; an error after that is no error of inspect()
+  const auto place_object = [&](const PlacementSettings& placing) {
+    report.units = units_of(report.bounds, placing);
+    report.placement = place(report.bounds, millimetres_per(report.units), placing);
+    prepared = true;
+  };
+  const auto begin_coarse = [&](const PlacementSettings& placing) {
+    static_cast<PreparationReport&>(report.coarse) = report;
+    return place_coarsely(report.bounds, millimetres_per(report.units), placing, report.placement);
+  };
+  const auto of_mesh = [&](MeshFiles& files, const SurveyedMesh& surveyed,
+                           ScanSources sources) -> Expected<ShotObject> {
+    const auto mesh = prepare_mesh(files, surveyed, sources, settings, job, report);
+    PLUMBLINE_TRY(mesh);
+    PLUMBLINE_TRY(check_extent(mesh->survey.bounds, sources));
+    report.bounds = report.bounds_with_noise = mesh->survey.bounds;
+    place_object(mesh->placing);
+    const auto coarse = begin_coarse(mesh->placing);
+    PLUMBLINE_TRY(coarse);
+    auto shot = shoot_mesh(files, mesh->survey, *coarse, settings, coarsely, *report.mesh);
+    report.coarse.mesh = report.mesh;
+    return shot;
+  };
+  const auto of_scan = [&](ScanSources sources) -> Expected<ShotObject> {
+    const auto measure_all = [&](const PreparedScan& scan, const KdTree3& tree) {
+      report.bounds = report.bounds_with_noise = scan.bounds();
+      return measure(scan, tree, arena, report);
+    };
+    const auto read = read_points(sources, settings, job, report);
+    PLUMBLINE_TRY(read);
+    PLUMBLINE_TRY(check_extent(read->bounds(), sources));
+    const auto scan = prepare(*read, settings, job, report, measure_all);
+    PLUMBLINE_TRY(scan);
+    report.lengths = scan->lengths;
+    const PlacementSettings placing = heed_header(settings.placement, scan->counts.scan.header);
+    if (scan->cloud.size > 0) report.bounds = scan->bounds();
+    if (scan->cloud.size > 0 || scan->surface.floor.points == 0) {
+      PLUMBLINE_TRY(check_has_surface(*scan, sources, placing));
+    }
+    place_object(placing);
+    PLUMBLINE_TRY(check_surface(*scan, sources, placing));
+    const auto coarse = begin_coarse(placing);
+    PLUMBLINE_TRY(coarse);
+    const PlacedScan placed = move_to_print(*coarse, *scan);
+    report.coarse.lengths = placed.lengths;
+    return shoot_rays(placed, settings, coarsely);
+  };
   const std::size_t bottom = arena.bottom_mark();
-  bool prepared = false;
+  auto shot = read_mesh_or_scan(given, settings, job, of_mesh, of_scan);
+  auto rrep = shot ? finish_rrep(*shot, settings, coarsely, report.coarse) : tl::unexpected<Error>(shot.error());
   Status status;
-  auto store = find_crossings(sources, checked, arena, progress, report, prepared);
-  auto rrep =
-      store ? finish_rrep(*store, checked, arena, progress, report.coarse) : tl::unexpected<Error>(store.error());
   if (rrep) {
     if (report.placement) report.placement->grid.layers = rrep->grid.layers;
     status = look(*rrep, report.coarse);

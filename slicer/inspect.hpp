@@ -14,6 +14,7 @@ namespace plumbline {
 
 /// The findings of prepare(), further measurements of the scan, and the report of the coarse slice.
 struct InspectReport : PreparationReport {
+  ScanLengths<ScanUnit> lengths;
   Box3d bounds;             ///< of the rotated scan without its noise points and stray pieces, scan units
   Box3d bounds_with_noise;  ///< of the rotated scan, scan units
   ScanLength spacing;       ///< median distance of a point from the nearest other one

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "slicer/cloud/kd_tree.hpp"
-#include "slicer/core/stage_scope.hpp"
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/layers/feature_limits.hpp"
 #include "slicer/layers/rrep_edit.hpp"
@@ -37,199 +36,167 @@ constexpr float kWider = 1.25F;
 /// mm; below it the grid width w is 0 but for rounding: there are too few practical points for one.
 constexpr float kLeastWidth = 1e-4F;
 
-class RayStages {
- public:
-  RayStages(Cloud& cloud, const SliceSettings& settings, Arena& arena, ProgressSink* progress, SliceReport& report)
-      : cloud_(cloud), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
+/// Joins points, more of them where the arena is short, and makes them dipoles.
+/// @param most  points that the rays have room for
+Expected<WindingTree> build_winding_tree(PlacedScan& scan, std::uint32_t most, BaseChoice base,
+                                         const StageContext& job) {
+  const StageScope stage(Stage::kWindingTree, job);
+  Cloud& cloud = scan.cloud;
+  // A joined point lies above its lowest one, so this comes first.
+  const float base_mm = scan.floor ? *scan.floor : base_plane(cloud.positions(), scan.placement.grid.layer_height_mm);
+  join_points(cloud, most);
+  PLUMBLINE_TRY(cloud.give_back(job.arena, false));
+  const auto nodes = job.arena.take_top<WindingTree::Node>(WindingTree::nodes_needed(cloud.size), "winding number");
+  PLUMBLINE_TRY(nodes);
+  WindingTree winding = WindingTree::build(cloud, *nodes);
+  if (base != BaseChoice::kNone) winding.set_base(base_mm, scan.lengths.epsilon.value, base == BaseChoice::kFlat);
+  return winding;
+}
 
-  Expected<CrossingStore> run() {
-    PLUMBLINE_TRY(start_confidence());
-    PLUMBLINE_TRY(join());
-    PLUMBLINE_TRY(build_winding_tree());
-    PLUMBLINE_TRY(build_flat_tree());
-    PLUMBLINE_TRY(admit());
-    return shoot();
+/// Lists the supports of sparse surface, which the search for a ray's points meets apart from the others.
+Expected<SupportWidths> list_wide_supports(const PlacedScan& scan, Arena& arena) {
+  const Cloud& cloud = scan.cloud;
+  const PrintGrid& grid = scan.placement.grid;
+  SupportWidths widths;
+  const auto radii = cloud.radius.first(cloud.size);
+  const auto is_wide = [&](float radius) { return widths.is_wide(radius); };
+  const auto count = [&] { return static_cast<std::uint32_t>(std::ranges::count_if(radii, is_wide)); };
+  widths.least = kLeastPixels * std::max(grid.pitch_x_mm, grid.pitch_y_mm);
+  widths.usual = std::max(widths.least, usual_support(scan.lengths.epsilon.value, cloud.support_points));
+  widths.share = std::sqrt(kCleanSupport / cloud.support_points);
+  while (count() > most_wide_supports(cloud.size)) widths.usual *= kWider;
+  const auto wide = arena.take_top<std::uint32_t>(count(), "wide supports");
+  PLUMBLINE_TRY(wide);
+  std::size_t listed = 0;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    if (!is_wide(radii[i])) continue;
+    (*wide)[listed++] = i;
+    widths.widest = std::max(widths.widest, widths.of(radii[i]));
   }
+  std::ranges::sort(*wide, {}, [&](std::uint32_t i) { return std::pair(cloud.position[i][0], i); });
+  widths.wide = *wide;
+  return widths;
+}
 
- private:
-  const PrintGrid& grid() const { return report_.placement.grid; }
-  float epsilon_mm() const { return report_.lengths.epsilon.value; }
-
-  /// Joins points, more of them where the arena is short. The height of the base plane is measured first, since a joined point lies
-  /// above its lowest one.
-  Status join() {
-    const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
-    base_height_ = report_.floor_mm ? *report_.floor_mm : base_plane(cloud_.positions(), grid().layer_height_mm);
-    const std::uint32_t points = cloud_.size;
-    join_points(cloud_, most_ray_points(placed(false), arena_));
-    spread_ = std::sqrt(static_cast<float>(points) / static_cast<float>(cloud_.size));
-    return cloud_.give_back(arena_, false);
-  }
-
-  Status build_winding_tree() {
-    const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
-    const auto nodes = arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(cloud_.size), "winding number");
-    PLUMBLINE_TRY(nodes);
-    winding_ = WindingTree::build(cloud_, *nodes);
-    if (settings_.base == BaseChoice::kNone) return {};
-    report_.flat_underside = winding_.set_base(base_height_, epsilon_mm(), settings_.base == BaseChoice::kFlat);
-    return {};
-  }
-
-  Status build_flat_tree() {
-    const StageScope stage(Stage::kRayGrid, arena_, progress_, report_.peak_bytes);
-    auto tree = KdTree2::build(cloud_.positions(), arena_, "ray grid", {progress_, Stage::kRayGrid});
-    PLUMBLINE_TRY(tree);
-    tree_ = *tree;
-    report_.width_mm = grid_width(cloud_, *tree_) / spread_;
-    if (!(report_.width_mm > kLeastWidth)) report_.width_mm = std::max(kLeastWidth, epsilon_mm());
-    return list_wide_supports();
-  }
-
-  /// Lists the supports of sparse surface, which the search for a ray's points meets apart from the others.
-  Status list_wide_supports() {
-    const auto radii = cloud_.radius.first(cloud_.size);
-    const auto is_wide = [&](float radius) { return widths_.is_wide(radius); };
-    const auto count = [&] { return static_cast<std::uint32_t>(std::ranges::count_if(radii, is_wide)); };
-    widths_.least = kLeastPixels * std::max(grid().pitch_x_mm, grid().pitch_y_mm);
-    widths_.usual = std::max(widths_.least, usual_support(epsilon_mm(), cloud_.support_points));
-    widths_.share = std::sqrt(kCleanSupport / cloud_.support_points);
-    while (count() > most_wide_supports(cloud_.size)) widths_.usual *= kWider;
-    const auto wide = arena_.take_top<std::uint32_t>(count(), "wide supports");
-    PLUMBLINE_TRY(wide);
-    std::size_t listed = 0;
-    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      if (!is_wide(radii[i])) continue;
-      (*wide)[listed++] = i;
-      widths_.widest = std::max(widths_.widest, widths_.of(radii[i]));
-    }
-    std::ranges::sort(*wide, {}, [&](std::uint32_t i) { return std::pair(cloud_.position[i][0], i); });
-    widths_.wide = *wide;
-    return {};
-  }
-
-  Status start_confidence() {
-    if (!settings_.confidence) return {};
-    auto map = ConfidenceMap::create(grid(), cloud_.bounds(), epsilon_mm(), arena_);
-    PLUMBLINE_TRY(map);
-    for (const Vec3f& p : cloud_.positions()) map->add_point(p);
-    report_.confidence = *map;
-    return {};
-  }
-
-  PlacedObject placed(bool is_joined) const {
-    return {.cloud = cloud_,
-            .read_points = report_.cloud_points,
-            .grid = grid(),
-            .confidence = settings_.confidence,
-            .threads = settings_.threads,
-            .is_joined = is_joined};
-  }
-
-  Status admit() { return admit_rays(placed(true), arena_, report_.planned_bytes); }
-
-  bool is_height_field() const {
-    return winding_.has_base() && report_.clustering.points.is_negligible(PointClass::kEntering);
-  }
-
-  Expected<CrossingStore> shoot() {
-    const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
-    RayField field;
-    field.cloud = &cloud_;
-    field.tree = &*tree_;
-    field.winding = &winding_;
-    field.grid = grid();
-    field.width = report_.width_mm;
-    field.widths = widths_;
-    field.tile_capacity = tile_capacity(cloud_.capacity());
-    field.height_field = is_height_field();
-    const float tolerance = std::max(kLayerShare * grid().layer_height_mm, kNoiseShare * report_.lengths.noise.value);
-    ConfidenceMap* const confidence = settings_.confidence ? &report_.confidence : nullptr;
-    return shoot_all_rays(field, tolerance, confidence, settings_.threads, arena_, {progress_, Stage::kRays},
-                          report_.rays);
-  }
-
-  Cloud& cloud_;
-  const SliceSettings& settings_;
-  Arena& arena_;
-  ProgressSink* progress_;
-  SliceReport& report_;
-  SupportWidths widths_;
-  float base_height_ = 0;  ///< mm
-  float spread_ = 1;       ///< distance of joined points over that of the scan's
-  WindingTree winding_;
-  std::optional<KdTree2> tree_;
-};
-
-void drop_features(RRep& rrep, Arena& arena, SliceReport& report) {
-  const FeatureLimits limits =
-      feature_limits(report.support_points, report.lengths.epsilon, report.lengths.noise, rrep.grid);
+FeatureCounts drop_features(RRep& rrep, const ShotObject& shot, Arena& arena) {
+  const FeatureLimits limits = feature_limits(shot.support_points, shot.lengths.epsilon, shot.lengths.noise, rrep.grid);
   // Removing a feature can let the mask's opening cut off what it supported, so noisy scans get a second sweep.
-  const int sweeps = widening(report.support_points) > 1 ? 2 : 1;
-  for (int sweep = 0; sweep < sweeps && !report.features.totals; ++sweep) {
+  const int sweeps = widening(shot.support_points) > 1 ? 2 : 1;
+  FeatureCounts counts;
+  for (int sweep = 0; sweep < sweeps && !counts.totals; ++sweep) {
     // Without room for the search, small features stay, and the print is as good as the scan.
-    if (const auto features = drop_small_features(rrep, limits, arena)) report.features += *features;
+    if (const auto features = drop_small_features(rrep, limits, arena)) counts += *features;
   }
-}
-
-/// An outlier can be the lowest or the highest point. The object is to stand on the plate, so the first layer is the first
-/// with a pixel.
-Status trim(RRep& rrep, Arena& arena, SliceReport& report) {
-  const auto& totals = report.features.totals;
-  if (totals) report.object_pixels = totals->pixels;
-  const std::optional<EmptyLayers> known = totals ? std::optional(totals->empty) : std::nullopt;
-  const auto trimmed = trim_empty_layers(rrep, arena, known);
-  if (!trimmed && trimmed.error().code() == ErrorCode::kNoSurface) return tl::unexpected<Error>(trimmed.error());
-  const EmptyLayers empty = trimmed.value_or(EmptyLayers{});
-  report.crossings = rrep.crossings();
-  report.placement.grid.layers = rrep.grid.layers;
-  report.confidence.trim(empty.below, empty.above);
-  report.placement.shift[2] -= static_cast<double>(empty.below) * rrep.grid.layer_height_mm;
-  return {};
-}
-
-/// Plans the R-Rep anew, since the crossings are known now.
-void plan_rrep(const CrossingStore& store, const Arena& arena, SliceReport& report) {
-  const PrintGrid& grid = store.grid();
-  const RayYield yield{static_cast<double>(report.rays.interested() -
-                                           report.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)]),
-                       static_cast<double>(store.crossings())};
-  report.planned_bytes[static_cast<std::size_t>(Stage::kRRep)] =
-      arena.used() - store.bytes() + rrep_stage_bytes(grid, store.bytes(), yield);
+  return counts;
 }
 
 }  // namespace
 
-Expected<CrossingStore> shoot_rays(Cloud& cloud, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
-                                   SliceReport& report) {
-  return RayStages(cloud, settings, arena, progress, report).run();
+Expected<ShotObject> shoot_rays(PlacedScan scan, const SliceSettings& settings, const StageContext& job) {
+  Arena& arena = job.arena;
+  const Cloud& cloud = scan.cloud;
+  const PrintGrid& grid = scan.placement.grid;
+  ShotObject shot{.placement = scan.placement,
+                  .lengths = scan.lengths,
+                  .support_points = cloud.support_points,
+                  .sample = scan.sample};
+  if (settings.confidence) {
+    auto map = ConfidenceMap::create(grid, cloud.bounds(), scan.lengths.epsilon.value, arena);
+    PLUMBLINE_TRY(map);
+    for (const Vec3f& p : cloud.positions()) map->add_point(p);
+    shot.confidence = *map;
+  }
+  PlacedObject object{.cloud = cloud,
+                      .read_points = scan.read_points,
+                      .grid = grid,
+                      .confidence = settings.confidence,
+                      .threads = settings.threads,
+                      .is_joined = false};
+  const std::uint32_t points = cloud.size;
+  const auto winding = build_winding_tree(scan, most_ray_points(object, arena), settings.base, job);
+  PLUMBLINE_TRY(winding);
+  object.is_joined = true;
+  shot.flat_underside = winding->has_base();
+  std::optional<KdTree2> tree;
+  SupportWidths widths;
+  {
+    const StageScope stage(Stage::kRayGrid, job);
+    auto built = KdTree2::build(cloud.positions(), arena, "ray grid", {job.progress, Stage::kRayGrid});
+    PLUMBLINE_TRY(built);
+    tree = *built;
+    // Joined points are farther apart than those of the scan.
+    const float spread = std::sqrt(static_cast<float>(points) / static_cast<float>(cloud.size));
+    shot.width_mm = grid_width(cloud, *tree) / spread;
+    if (!(shot.width_mm > kLeastWidth)) shot.width_mm = std::max(kLeastWidth, scan.lengths.epsilon.value);
+    const auto listed = list_wide_supports(scan, arena);
+    PLUMBLINE_TRY(listed);
+    widths = *listed;
+  }
+  PLUMBLINE_TRY(admit_rays(object, arena, job.memory.planned_bytes));
+  const StageScope stage(Stage::kRays, job);
+  const RayField field{.cloud = &cloud,
+                       .tree = &*tree,
+                       .winding = &*winding,
+                       .grid = grid,
+                       .width = shot.width_mm,
+                       .widths = widths,
+                       .tile_capacity = tile_capacity(cloud.capacity()),
+                       .height_field = winding->has_base() && scan.classes.is_negligible(PointClass::kEntering)};
+  const float tolerance = std::max(kLayerShare * grid.layer_height_mm, kNoiseShare * scan.lengths.noise.value);
+  const auto store = shoot_all_rays(field, tolerance, settings.confidence ? &shot.confidence : nullptr,
+                                    settings.threads, arena, {job.progress, Stage::kRays}, shot.rays);
+  PLUMBLINE_TRY(store);
+  shot.store = *store;
+  return shot;
 }
 
-Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, const StageContext& job,
                            SliceReport& report) {
-  const StageScope stage(Stage::kRRep, arena, progress, report.peak_bytes);
-  if (!report.mesh) {
-    plan_rrep(store, arena, report);
-    ComponentLimits limits = component_limits(report.lengths.epsilon, report.placement.grid);
+  const StageScope stage(Stage::kRRep, job);
+  Arena& arena = job.arena;
+  report.flat_underside = shot.flat_underside;
+  report.width_mm = shot.width_mm;
+  report.rays = shot.rays;
+  if (!settings.placement.fit) report.asked_size = settings.placement.size;
+  if (!shot.is_mesh) {
+    const std::uint64_t outside = shot.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)];
+    const RayYield yield{static_cast<double>(shot.rays.interested() - outside),
+                         static_cast<double>(shot.store.crossings())};
+    job.memory.planned(Stage::kRRep) =
+        arena.used() - shot.store.bytes() + rrep_stage_bytes(shot.store.grid(), shot.store.bytes(), yield);
+    ComponentLimits limits = component_limits(shot.lengths.epsilon, shot.placement.grid);
     limits.drop_floating = !settings.keep_all;
-    report.components = drop_small_components(store, limits, arena);
-    report.proof = prove(store, std::exchange(report.sample, {}), kNoiseReach * report.lengths.noise.value);
+    report.components = drop_small_components(shot.store, limits, arena);
+    report.proof = prove(shot.store, shot.sample, kNoiseReach * shot.lengths.noise.value);
   }
-  auto rrep = CrossingStore::sort(store, arena);
+  auto rrep = CrossingStore::sort(shot.store, arena);
   PLUMBLINE_TRY(rrep);
-  rrep->is_exact = report.mesh.has_value();  // a mesh is printed as it is, however small its parts are
-  if (report.mesh) {
-    report.object_pixels = store.section_pixels();
+  rrep->is_exact = shot.is_mesh;
+  std::optional<EmptyLayers> known;
+  if (shot.is_mesh) {
+    report.object_pixels = shot.store.section_pixels();
   } else {
-    drop_features(*rrep, arena, report);
+    report.features = drop_features(*rrep, shot, arena);
+    if (const auto& totals = report.features.totals) {
+      report.object_pixels = totals->pixels;
+      known = totals->empty;
+    }
   }
-  PLUMBLINE_TRY(trim(*rrep, arena, report));
+  // An outlier can be the lowest or the highest point. The object is to stand on the plate, so the first layer is the first with a pixel.
+  const auto trimmed = trim_empty_layers(*rrep, arena, known);
+  if (!trimmed && trimmed.error().code() == ErrorCode::kNoSurface) return tl::unexpected<Error>(trimmed.error());
+  const EmptyLayers empty = trimmed.value_or(EmptyLayers{});
+  shot.confidence.trim(empty.below, empty.above);
   const PrintGrid& grid = rrep->grid;
+  shot.placement.grid.layers = grid.layers;
+  shot.placement.shift[2] -= static_cast<double>(empty.below) * grid.layer_height_mm;
+  report.placement = shot.placement;
+  report.confidence = shot.confidence;
+  report.crossings = rrep->crossings();
   report.extent = extent_of(*rrep);
   report.printed_mm = {(report.extent.right - report.extent.left) * static_cast<double>(grid.pitch_x_mm),
                        (report.extent.bottom - report.extent.top) * static_cast<double>(grid.pitch_y_mm),
                        grid.layers * static_cast<double>(grid.layer_height_mm)};
-  if (!settings.placement.fit) report.asked_size = settings.placement.size;
   return rrep;
 }
 

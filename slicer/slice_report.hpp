@@ -1,13 +1,11 @@
 #pragma once
 /// What the slicer found and did, in numbers.
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 
 #include "slicer/core/numbers/length.hpp"
-#include "slicer/core/progress.hpp"
+#include "slicer/core/stage_scope.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/mesh/mesh_counts.hpp"
 #include "slicer/normals/normals.hpp"
@@ -52,44 +50,51 @@ struct StatedViews {
   std::uint32_t scanners = 0;  ///< of these, those whose scanner can have stood where the file says
 };
 
-/// What prepare() found, apart from lengths.
-struct PreparationCounts {
+/// What was read.
+struct ReadCounts {
   ScanSummary scan;                    ///< of all files: sum_of()
   ScanSummaries scans;                 ///< of each file
   std::optional<Units> ignored_units;  ///< asked for, but the format of the scan is in metres, whatever was asked for
-  std::optional<MeshCounts> mesh;      ///< the files were sliced as a mesh; what is said of points is 0
   std::uint32_t cloud_capacity = 0;    ///< points the arena has room for
   std::uint32_t cloud_points = 0;      ///< points after thinning
   std::uint64_t averaged_points = 0;   ///< scan points that were averaged into another
-  bool fills_volume = false;           ///< no surface was found because the points fill a volume
-  StatedViews stated_views;
+};
+
+/// Changes of the points before normals are made.
+struct SettledCounts {
+  std::uint32_t outliers = 0;       ///< left out
+  std::uint32_t evened_points = 0;  ///< averaged into others along the lines that they lie in
+};
+
+/// The normals, and the way up that they show.
+struct FoundNormals {
   NormalCounts normals;
-  std::uint32_t averagings = 0;  ///< times that neighbours were averaged because no surface was found
-  ClusteringCounts clustering;
-  float support_points = 0;            ///< Cloud::support_points of the surface
   std::optional<Orientation> turned;   ///< the way that SliceSettings::orient has turned the scan
   std::optional<Orientation> upright;  ///< the scan plainly lies wrong, and this way up is better
+};
+
+/// Points of the scan that are on the object, and those that were left out before it was placed.
+struct SurfaceCounts {
+  ClusteringCounts clustering;
   FloorCut floor;
-  std::uint32_t outliers = 0;                               ///< left out before normals were made
-  std::uint32_t evened_points = 0;                          ///< averaged into others along the lines that they lie in
-  std::uint32_t flying_points = 0;                          ///< left out before the object was placed
-  StrayPieces strays;                                       ///< left out before the object was placed
-  std::array<std::size_t, kStageCount> planned_bytes = {};  ///< of the arena, by Stage
-  std::array<std::size_t, kStageCount> peak_bytes = {};     ///< of the arena, by Stage
+  std::uint32_t flying_points = 0;
+  StrayPieces strays;
 };
 
-struct PreparationReport : PreparationCounts {
-  ScanLengths<ScanUnit> lengths;
+/// What was found before the object is placed.
+struct PreparationReport : StageMemory, ReadCounts, SettledCounts, FoundNormals, SurfaceCounts {
+  std::optional<MeshCounts> mesh;  ///< the files were sliced as a mesh; what is said of points is 0
+  StatedViews stated_views;
+  std::uint32_t averagings = 0;  ///< times that neighbours were averaged because no surface was found
 };
 
-struct SliceReport : PreparationCounts {
+struct SliceReport : PreparationReport {
   ScanLengths<Millimetre> lengths;    ///< 0 until the object is placed
   Units units = Units::kMillimetres;  ///< used
   bool units_guessed = false;
   Placement placement;
-  std::optional<float> floor_mm;  ///< height of a floor that was cut off, print coordinates
-  bool flat_underside = false;    ///< it stands on the base plane
-  float width_mm = 0;             ///< w of thesis III-2.c
+  bool flat_underside = false;  ///< it stands on the base plane
+  float width_mm = 0;           ///< w of thesis III-2.c
   RayCounts rays;
   PointProof proof;
   ComponentCounts components;
@@ -101,7 +106,6 @@ struct SliceReport : PreparationCounts {
   Vec3d printed_mm =
       Vec3d::Zero();  ///< what the masks show of the object, without supports; the scan's noise may reach beyond it
   std::uint32_t sunk_layers = 0;  ///< cut off below, so that it stands flat
-  std::span<const Vec3f> sample;  ///< PreparedScan::sample, print coordinates; empty once the R-Rep is proven
   MaskExtent extent;              ///< of the object
   ConfidenceMap confidence;       ///< in the arena below the R-Rep and valid as long as it is; empty unless asked for
 };

@@ -11,7 +11,7 @@ namespace {
 
 /// Refuses an object that can't fit, whatever the next stages leave out of it, before they take their minutes. An object that is
 /// too large by little is refused when it is placed.
-Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settings, Arena& arena) {
+Status check_core_fits(const ReadScan& scan, const PlacementSettings& settings, Arena& arena) {
   if (settings.size && settings.size->side != Side::kLength && !settings.fit) {
     Box3d side;  // the other sides depend on the object's extents
     side.extend(Vec3d::Zero());
@@ -30,65 +30,52 @@ Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settin
   return {};
 }
 
-Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
-                                            ProgressSink* progress, SliceReport& report) {
-  PreparationReport found;
-  PlacementSettings placing = settings.placement;
-  const auto admit = [&](const PreparedScan& read) -> Status {
-    const ScanHeader& header = found.scan.header;
-    placing = heed_header(placing, header);
-    PLUMBLINE_TRY(check_no_speck(read.bounds(), sources, placing, header.is_in_mm));
-    if (settings.orient) return {};  // it may fit when it is turned
-    return check_core_fits(read, placing, arena);
-  };
-  auto scan = prepare(sources, settings, arena, progress, found, kNoMeasurement, admit);
-  static_cast<PreparationCounts&>(report) = found;
-  PLUMBLINE_TRY(scan);
-  PLUMBLINE_TRY(check_surface(*scan, sources, found, placing));
-  const Box3d bounds = scan->bounds();
+/// Places an object, and notes where.
+/// @param placing  with the unit that its format fixes, if it fixes one
+Expected<Placement> place_object(const Box3d& bounds, const PlacementSettings& placing, SliceReport& report) {
   report.units = units_of(bounds, placing);
   report.units_guessed = placing.units == Units::kAuto && !placing.size;
   const auto placement = place(bounds, millimetres_per(report.units), placing);
-  PLUMBLINE_TRY(placement);
-  move_to_print(*placement, *scan, found, report);
-  return shoot_rays(scan->cloud, settings, arena, progress, report);
-}
-
-Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, ScanSources sources,
-                                            SliceSettings settings, Arena& arena, ProgressSink* progress,
-                                            SliceReport& report) {
-  const auto mesh = prepare_mesh(files, survey, sources, settings, arena, progress, report);
-  PLUMBLINE_TRY(mesh);
-  PLUMBLINE_TRY(check_no_speck(mesh->bounds, sources, settings.placement, report.scan.header.is_in_mm));
-  report.units = units_of(mesh->bounds, settings.placement);
-  report.units_guessed = settings.placement.units == Units::kAuto && !settings.placement.size;
-  const auto placement = place(mesh->bounds, millimetres_per(report.units), settings.placement);
-  PLUMBLINE_TRY(placement);
-  report.placement = *placement;
-  return shoot_mesh(files, *mesh, settings, arena, progress, report);
-}
-
-Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
-                                       ProgressSink* progress, SliceReport& report) {
-  const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources given) {
-    return find_mesh_crossings(files, survey, given, settings, arena, progress, report);
-  };
-  const auto of_scan = [&](ScanSources given) { return find_scan_crossings(given, settings, arena, progress, report); };
-  return read_mesh_or_scan(sources, settings, arena, progress, report, of_mesh, of_scan);
+  if (placement) report.placement = *placement;
+  return placement;
 }
 
 }  // namespace
 
-Expected<RRep> slice(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+Expected<RRep> slice(ScanSources given, const SliceSettings& asked, Arena& arena, ProgressSink* progress,
                      SliceReport& report) {
-  const SliceSettings checked = set_threads(settings);
+  const SliceSettings settings = set_threads(asked);
+  const StageContext job{arena, progress, report};
+  const auto of_mesh = [&](MeshFiles& files, const SurveyedMesh& surveyed,
+                           ScanSources sources) -> Expected<ShotObject> {
+    const auto mesh = prepare_mesh(files, surveyed, sources, settings, job, report);
+    PLUMBLINE_TRY(mesh);
+    PLUMBLINE_TRY(check_no_speck(mesh->survey.bounds, sources, mesh->placing, sum_of(surveyed.scans).header));
+    const auto placement = place_object(mesh->survey.bounds, mesh->placing, report);
+    PLUMBLINE_TRY(placement);
+    return shoot_mesh(files, mesh->survey, *placement, settings, job, *report.mesh);
+  };
+  const auto of_scan = [&](ScanSources sources) -> Expected<ShotObject> {
+    const auto read = read_points(sources, settings, job, report);
+    PLUMBLINE_TRY(read);
+    const ScanHeader& header = read->counts.scan.header;
+    const PlacementSettings placing = heed_header(settings.placement, header);
+    PLUMBLINE_TRY(check_no_speck(read->bounds(), sources, placing, header));
+    if (!settings.orient) PLUMBLINE_TRY(check_core_fits(*read, placing, arena));  // it may fit when it is turned
+    const auto scan = prepare(*read, settings, job, report);
+    PLUMBLINE_TRY(scan);
+    PLUMBLINE_TRY(check_surface(*scan, sources, placing));
+    const auto placement = place_object(scan->bounds(), placing, report);
+    PLUMBLINE_TRY(placement);
+    const PlacedScan placed = move_to_print(*placement, *scan);
+    report.placement = placed.placement;
+    report.lengths = placed.lengths;
+    return shoot_rays(placed, settings, job);
+  };
   const std::size_t bottom = arena.bottom_mark();
-  auto store = find_crossings(sources, checked, arena, progress, report);
-  auto rrep = store ? finish_rrep(*store, checked, arena, progress, report) : tl::unexpected<Error>(store.error());
-  if (!rrep) {
-    report.confidence = {};
-    arena.release_bottom(bottom);
-  }
+  auto shot = read_mesh_or_scan(given, settings, job, of_mesh, of_scan);
+  auto rrep = shot ? finish_rrep(*shot, settings, job, report) : tl::unexpected<Error>(shot.error());
+  if (!rrep) arena.release_bottom(bottom);
   return rrep;
 }
 

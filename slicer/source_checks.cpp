@@ -19,19 +19,16 @@ Status check_units(ScanSources sources, Units units, bool some_in_mm, bool some_
               title_of(sources).c_str(), to_string(units));
 }
 
-Status check_units(ScanSources sources, Units units, PreparationCounts& report) {
-  if (!report.scan.header.is_in_mm) return {};
-  const auto scans = report.scans.all();
-  const bool all =
-      std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; });
-  PLUMBLINE_TRY(check_units(sources, units, true, !all));
+Expected<std::optional<Units>> check_units(ScanSources sources, Units units, const ScanSummaries& scans) {
+  const auto is_in_mm = [](const ScanSummary& scan) { return scan.header.is_in_mm; };
+  if (std::ranges::none_of(scans.all(), is_in_mm)) return std::nullopt;
+  PLUMBLINE_TRY(check_units(sources, units, true, !std::ranges::all_of(scans.all(), is_in_mm)));
   // An E57 is in metres, so whoever asks for these means the same; a table may be in any unit.
-  const bool has_table = std::any_of(scans.begin(), scans.end(),
-                                     [](const ScanSummary& scan) { return scan.header.format == ScanFormat::kXyz; });
-  if (units == Units::kCentimetres || units == Units::kInches || (units == Units::kMetres && has_table)) {
-    report.ignored_units = units;
-  }
-  return {};
+  const bool has_table =
+      std::ranges::any_of(scans.all(), [](const ScanSummary& scan) { return scan.header.format == ScanFormat::kXyz; });
+  const bool ignored =
+      units == Units::kCentimetres || units == Units::kInches || (units == Units::kMetres && has_table);
+  return ignored ? std::optional(units) : std::nullopt;
 }
 
 PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeader& header) {
@@ -45,13 +42,16 @@ Status check_extent(const Box3d& bounds, ScanSources sources) {
                       title_of(sources).c_str(), bounds.low[0], bounds.low[1], bounds.low[2]));
 }
 
-Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings, bool is_in_mm) {
+Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings,
+                      const ScanHeader& header) {
   PLUMBLINE_TRY(check_extent(bounds, sources));
-  const double longest = bounds.size().maxCoeff() * millimetres_per(units_of(bounds, settings)) * settings.scale;
-  if (settings.fit || settings.size || longest >= kFewestPixels * settings.finest_pitch_mm()) return {};
-  const char* const advice = is_in_mm ? "Give a size or a scale" : "Check its unit, or give a size";
+  if (settings.fit || settings.size) return {};
+  const double unit_mm = millimetres_per(units_of(bounds, heed_header(settings, header)));
+  const double longest = bounds.size().maxCoeff() * unit_mm * settings.scale;
+  if (longest >= kFewestPixels * settings.finest_pitch_mm()) return {};
+  const char* const advice = header.is_in_mm ? "Give a size or a scale" : "Check its unit, or give a size";
   return telling(
-      Told(ToldCode::kTooSmall, {{Fact::kLongestMm, longest}}, is_in_mm ? "" : "units"),
+      Told(ToldCode::kTooSmall, {{Fact::kLongestMm, longest}}, header.is_in_mm ? "" : "units"),
       fail(ErrorCode::kNoSurface, "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\t%s",
            title_of(sources).c_str(), longest, kFewestPixels, advice));
 }

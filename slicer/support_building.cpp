@@ -18,8 +18,8 @@ std::uint32_t most_layers(const PlacementSettings& placement) {
 
 Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings, const PlacementSettings& placement,
                                 Arena& arena, ProgressSink* progress, SliceReport& report, SupportCounts& counts) {
-  const StageScope stage(Stage::kSupports, arena, progress, report.peak_bytes);
-  report.planned_bytes[static_cast<std::size_t>(Stage::kSupports)] = arena.used() + find_supports_bytes(rrep, settings);
+  const StageScope stage(Stage::kSupports, {arena, progress, report});
+  report.planned(Stage::kSupports) = arena.used() + find_supports_bytes(rrep, settings);
   auto supports = find_supports(rrep, settings, most_layers(placement), arena, progress, counts);
   PLUMBLINE_TRY(supports);
   const double layer_height = rrep.grid.layer_height_mm;

@@ -73,15 +73,16 @@ Status propose(std::span<ByteSource* const> sources, const SliceSettings& asked,
 /// Reads a scan or a mesh in few points and draws it.
 Status glance(std::span<ByteSource* const> sources, const SliceSettings& settings, Arena& arena, ProgressSink& progress,
               MessagePage& page) {
-  PreparationReport report;
+  StageMemory memory;
+  const StageContext job{arena, &progress, memory};
   const auto draw = [&](const Cloud& cloud) -> Status {
     if (cloud.size == 0) return fail(ErrorCode::kNoPoints, "there are no points");
     PLUMBLINE_TRY(draw_scan_picture(cloud, arena, page.glance));
     page.answer.kind = ScanAnswer::kGlance;
     return {};
   };
-  const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources) -> Status {
-    const auto cloud = mesh_cloud(files, survey, arena, &progress, report);
+  const auto of_mesh = [&](MeshFiles& files, const SurveyedMesh& mesh, ScanSources) -> Status {
+    const auto cloud = mesh_cloud(files, mesh.survey, job);
     PLUMBLINE_TRY(cloud);
     return draw(*cloud);
   };
@@ -92,7 +93,7 @@ Status glance(std::span<ByteSource* const> sources, const SliceSettings& setting
     PLUMBLINE_TRY(read);
     return draw(read->cloud);
   };
-  return read_mesh_or_scan(sources, settings, arena, &progress, report, of_mesh, of_scan);
+  return read_mesh_or_scan(sources, settings, job, of_mesh, of_scan);
 }
 
 }  // namespace

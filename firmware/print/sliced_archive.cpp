@@ -1,7 +1,6 @@
 #include "firmware/print/sliced_archive.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -22,8 +21,8 @@ namespace {
 Status check_layers(LayerArchive& archive, const CheckLimits& limits, SlicedArchive& sliced,
                     std::span<ArchiveLayer> layers, Arena& arena, ProgressSink* progress) {
   const PrintGrid& grid = sliced.grid;
-  std::array<std::size_t, kStageCount> peaks = {};
-  const StageScope stage(Stage::kLayers, arena, progress, peaks);
+  StageMemory memory;
+  const StageScope stage(Stage::kLayers, {arena, progress, memory});
   const ArenaScope scratch(arena);
   const std::size_t words = BitImage::words_needed(grid.columns, grid.rows);
   const auto two = arena.take_top<std::uint64_t>(2 * words, "masks");

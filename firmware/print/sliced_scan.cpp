@@ -31,7 +31,7 @@ std::uint64_t shrink(BitImage image, std::uint32_t steps, std::span<std::uint64_
 /// Checks every mask, and counts what will cure. On a desktop it takes a second or two for a thousand layers of a large panel.
 Status check_masks(SlicedScan& sliced, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                    SliceReport& report) {
-  const StageScope stage(Stage::kLayers, arena, progress, report.peak_bytes);
+  const StageScope stage(Stage::kLayers, {arena, progress, report});
   const ArenaScope scratch(arena);
   const std::uint32_t layers = sliced.rrep.grid.layers;
   const std::size_t bottom = arena.bottom_mark();

@@ -273,7 +273,7 @@ void write_mesh(JsonWriter& json, const std::optional<MeshCounts>& mesh) {
   json.end_object();
 }
 
-void write_position(JsonWriter& json, const PreparationCounts& found) {
+void write_position(JsonWriter& json, const PreparationReport& found) {
   json.key("floor");
   json.begin_object(kOneLine);
   json.member("points", found.floor.points);

@@ -17,7 +17,7 @@ void write_mesh(JsonWriter& json, const std::optional<MeshCounts>& mesh);
 
 /// Writes what was left out as the member "stray_pieces".
 /// Keys "floor" and "orientation": what was cut off below the object, how it was turned, and how it had better lie.
-void write_position(JsonWriter& json, const PreparationCounts& found);
+void write_position(JsonWriter& json, const PreparationReport& found);
 void write_strays(JsonWriter& json, const StrayPieces& strays);
 
 /// Raised when a key changes its meaning or is removed, not for new keys.

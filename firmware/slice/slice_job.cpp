@@ -17,7 +17,6 @@
 #include "firmware/slice/proof_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/checks/what_matters.hpp"
-#include "slicer/core/stage_scope.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/support_building.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
@@ -106,7 +105,7 @@ Status SliceJob::work(JobProgress& progress) {
 
 /// Plans the layers anew, since the R-Rep and the supports are known now.
 void SliceJob::plan_layers(const RRep& rrep, const Supports& supports) {
-  report_.slice.planned_bytes[static_cast<std::size_t>(Stage::kLayers)] =
+  report_.slice.planned(Stage::kLayers) =
       arena_->used() + rrep.grid.layers * sizeof(std::uint64_t) + layers_stage_bytes(rrep.grid, supports.list.size());
 }
 

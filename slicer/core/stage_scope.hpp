@@ -1,5 +1,5 @@
 #pragma once
-/// Reports the start and end of a stage, and records how much of the arena it used.
+/// What the stages of a job share, and the time that each of them runs.
 
 #include <algorithm>
 #include <array>
@@ -10,28 +10,41 @@
 
 namespace plumbline {
 
+/// Bytes of the arena, by Stage.
+struct StageMemory {
+  std::array<std::size_t, kStageCount> planned_bytes = {};
+  std::array<std::size_t, kStageCount> peak_bytes = {};  ///< most in use
+
+  std::size_t& planned(Stage stage) { return planned_bytes[static_cast<std::size_t>(stage)]; }
+  std::size_t& peak(Stage stage) { return peak_bytes[static_cast<std::size_t>(stage)]; }
+};
+
+/// What every stage of a job is given.
+struct StageContext {
+  Arena& arena;
+  ProgressSink* progress;  ///< may be null
+  StageMemory& memory;     ///< set by each stage, also by one that fails
+};
+
+/// Reports the start and the end of a stage, and records how much of the arena it used.
 class StageScope {
  public:
-  /// @param progress    may be null
-  /// @param peak_bytes  indexed by Stage; the destructor sets the stage's entry, to the most if it runs in several parts
-  StageScope(Stage stage, Arena& arena, ProgressSink* progress, std::array<std::size_t, kStageCount>& peak_bytes)
-      : stage_(stage), arena_(arena), progress_(progress), peak_bytes_(peak_bytes) {
-    arena_.reset_peak();
-    if (progress_ != nullptr) progress_->begin(stage_);
+  /// The destructor sets the stage's peak, to the most if the stage runs in several parts.
+  StageScope(Stage stage, const StageContext& context) : stage_(stage), context_(context) {
+    context_.arena.reset_peak();
+    if (context_.progress != nullptr) context_.progress->begin(stage_);
   }
   ~StageScope() {
-    std::size_t& most = peak_bytes_[static_cast<std::size_t>(stage_)];
-    most = std::max(most, arena_.peak());
-    if (progress_ != nullptr) progress_->end(stage_, arena_.peak());
+    std::size_t& most = context_.memory.peak(stage_);
+    most = std::max(most, context_.arena.peak());
+    if (context_.progress != nullptr) context_.progress->end(stage_, context_.arena.peak());
   }
   StageScope(const StageScope&) = delete;
   StageScope& operator=(const StageScope&) = delete;
 
  private:
   Stage stage_;
-  Arena& arena_;
-  ProgressSink* progress_;
-  std::array<std::size_t, kStageCount>& peak_bytes_;
+  StageContext context_;
 };
 
 }  // namespace plumbline

@@ -75,7 +75,6 @@ class MeshFiles {
   [[nodiscard]] Status rewind();
   /// The files as a scan's.
   std::array<ByteSource*, kMostScans> pointers();
-  std::size_t count() const { return count_; }
   /// Bytes of the largest file; none: unknown, or a file is packed (see hint())
   std::optional<std::uint64_t> largest() const;
 

@@ -18,15 +18,17 @@ namespace plumbline {
 
 /// The winding number of a mesh that is not closed.
 struct MeshField {
-  MeshRim rim;                           ///< empty: it is too long, and all triangles are in `winding`
-  const WindingTree* winding = nullptr;  ///< null: by the rim
-  std::optional<float> base;             ///< mm: with a rim, the height at which the surface is mirrored
+  MeshRim rim;                         ///< empty: it is too long, and all triangles are in `winding`
+  std::optional<WindingTree> winding;  ///< none: by the rim
+  std::optional<float> base;           ///< mm: with a rim, the height at which the surface is mirrored
   float cell =
       0;  ///< mm: details that are smaller are not looked for. Nearer to the surface the tree's number is not trusted
   BitImage doubtful;  ///< one pixel a tile: where the hits miss solid parts. Set by find_doubtful()
   std::uint32_t first_column = 0, end_column = 0;  ///< tiles that the object's box covers
   std::uint32_t first_row = 0, end_row = 0;
 
+  /// Whether an open underside is closed flat.
+  bool has_base() const { return winding ? winding->has_base() : base.has_value(); }
   /// Layers in a number of cells, at least 1.
   std::uint32_t layers_in(float cells, float layer_height) const {
     return static_cast<std::uint32_t>(std::clamp(cells * cell / layer_height, 1.0F, 65535.0F));
@@ -37,14 +39,14 @@ struct MeshField {
 class MeshRay {
  public:
   static std::size_t bytes_needed(const MeshField& field) {
-    return field.winding == nullptr ? RimWinding::bytes_needed(field.rim.corners.size()) : 0;
+    return field.winding ? 0 : RimWinding::bytes_needed(field.rim.corners.size());
   }
   /// @param field  outlives this, as does the grid
   /// @param arena  bytes_needed() from the top
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<MeshRay> create(const MeshField& field, const PrintGrid& grid, Arena& arena) {
     MeshRay ray(field, grid);
-    if (field.winding == nullptr) {
+    if (!field.winding) {
       const auto rim = RimWinding::create(field.rim, arena);
       PLUMBLINE_TRY(rim);
       ray.rim_ = *rim;

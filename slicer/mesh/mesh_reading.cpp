@@ -69,9 +69,12 @@ tl::unexpected<Error> fail_full(const HitList& hits) {
 class HitSink final : public StagedSink {
  public:
   /// @param joined  whose sides the triangles get; null: they stay as they are
-  HitSink(const MeshFiles& files, const StageProgress& progress, const PrintGrid& grid, const MeshTransform& transform,
-          HitList& hits, JoinedShells* joined)
-      : StagedSink(files, progress), grid_(grid), lattice_(grid, transform), hits_(hits), joined_(joined) {}
+  HitSink(const PlacedMesh& mesh, const StageProgress& progress, HitList& hits, JoinedShells* joined)
+      : StagedSink(mesh.files, progress),
+        grid_(mesh.grid),
+        lattice_(mesh.grid, mesh.transform),
+        hits_(hits),
+        joined_(joined) {}
 
   Status take(std::span<const Triangle> triangles) override {
     bool full = false;
@@ -258,20 +261,19 @@ Expected<SurveyedMesh> survey(MeshFiles& files, const Mat3d& rotation, std::opti
 }
 
 /// @param joined  see HitSink
-Expected<MeshHits> hit(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
-                       const MeshTransform& transform, JoinedShells* joined, Arena& arena,
-                       const StageProgress& progress) {
+Expected<MeshHits> hit(const PlacedMesh& mesh, JoinedShells* joined, Arena& arena, const StageProgress& progress) {
   const BottomScope scope(arena);
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
-  auto vertices = VertexList::create(files.vertices_kept(survey.most_vertices), arena);
+  auto vertices = VertexList::create(mesh.files.vertices_kept(mesh.survey.most_vertices), arena);
   PLUMBLINE_TRY(vertices);
-  auto hits = HitList::create(grid, arena, joined != nullptr);
+  auto hits = HitList::create(mesh.grid, arena, joined != nullptr);
   PLUMBLINE_TRY(hits);
-  HitSink sink(files, progress, grid, transform, *hits, joined);
+  HitSink sink(mesh, progress, *hits, joined);
   std::uint64_t triangles = 0;
-  PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, [&](const MeshSummary& mesh) { triangles += mesh.triangles; }));
-  if (triangles != survey.triangles) {
+  const auto each = [&](const MeshSummary& file) { triangles += file.triangles; };
+  PLUMBLINE_TRY(mesh.files.read(sink, *vertices, *workspace, each));
+  if (triangles != mesh.survey.triangles) {
     return telling(
         Told(ToldCode::kMeshChanged),
         fail(ErrorCode::kCannotRead,
@@ -280,7 +282,7 @@ Expected<MeshHits> hit(MeshFiles& files, const MeshSurvey& survey, const PrintGr
   }
   PLUMBLINE_TRY(hits->close(arena));
   arena.reset_peak();  // the open list took the rest of the arena
-  return MeshHits{*hits, sink.edges().is_closed(), sink.flat(), {}, 0, 0};
+  return MeshHits{.hits = *hits, .closed = sink.edges().is_closed(), .flat = sink.flat()};
 }
 
 /// Bytes that stay while a file is read again.
@@ -293,27 +295,27 @@ std::size_t use_room(std::uint64_t triangles, std::size_t available) {
 
 /// Joins all triangles.
 /// @returns false: there is no room
-Expected<bool> join(MeshFiles& files, const MeshSurvey& survey, const MeshLattice& lattice, ShellJoiner& joiner,
-                    Arena& arena, const StageProgress& progress) {
+Expected<bool> join(const PlacedMesh& mesh, ShellJoiner& joiner, Arena& arena, const StageProgress& progress) {
+  const MeshLattice lattice(mesh.grid, mesh.transform);
   const BottomScope scope(arena);
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
-  auto vertices = VertexList::create(files.vertices_kept(survey.most_vertices), arena);
+  auto vertices = VertexList::create(mesh.files.vertices_kept(mesh.survey.most_vertices), arena);
   PLUMBLINE_TRY(vertices);
   const std::size_t capacity =
-      use_room(survey.triangles, arena.available() - std::min(arena.available(), Arena::kAlignment));
+      use_room(mesh.survey.triangles, arena.available() - std::min(arena.available(), Arena::kAlignment));
   const auto room = arena.take_bottom<EdgeUse>(capacity, kStage);
   PLUMBLINE_TRY(room);
   // The parts are about equal, for edges are numbered at random.
-  const std::uint64_t uses = 3 * survey.triangles;
+  const std::uint64_t uses = 3 * mesh.survey.triangles;
   const std::uint64_t parts = capacity >= uses ? 1 : uses * 17 / 16 / std::max<std::size_t>(capacity, 1) + 1;
   if (parts > kMostParts) return false;
   for (const bool others : {false, true}) {
     if (others && !joiner.has_others()) break;
     for (std::uint64_t part = 0; part < parts; ++part) {
       const double done = others ? 1 : static_cast<double>(part) / static_cast<double>(parts);
-      UseSink sink(files, progress.part(done, done), lattice, *room, part, parts);
-      if (parts > 1 || !others) PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, [](const MeshSummary&) {}));
+      UseSink sink(mesh.files, progress.part(done, done), lattice, *room, part, parts);
+      if (parts > 1 || !others) PLUMBLINE_TRY(mesh.files.read(sink, *vertices, *workspace, [](const MeshSummary&) {}));
       if (sink.full()) return false;
       joiner.join(parts > 1 || !others ? sink.uses() : *room, others);
     }
@@ -331,9 +333,8 @@ Expected<SurveyedMesh> read_survey(MeshFiles& files, const Mat3d& rotation, std:
   return found;
 }
 
-Expected<MeshHits> read_hits(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
-                             const MeshTransform& transform, Arena& arena, const StageProgress& progress) {
-  return hit(files, survey, grid, transform, nullptr, arena, progress);
+Expected<MeshHits> read_hits(const PlacedMesh& mesh, Arena& arena, const StageProgress& progress) {
+  return hit(mesh, nullptr, arena, progress);
 }
 
 std::size_t sides_bytes(std::uint64_t triangles, std::uint64_t most_vertices, std::size_t available) {
@@ -341,23 +342,21 @@ std::size_t sides_bytes(std::uint64_t triangles, std::uint64_t most_vertices, st
   return std::min(available, joining + Arena::rounded(static_cast<std::size_t>(triangles) * kSidesBytesPerTriangle));
 }
 
-Expected<bool> read_sides(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
-                          const MeshTransform& transform, MeshHits& found, Arena& arena,
-                          const StageProgress& progress) {
+Status read_sides(const PlacedMesh& mesh, MeshHits& found, Arena& arena, const StageProgress& progress) {
   const BottomScope scope(arena);
-  const std::uint64_t triangles = survey.triangles;
-  const std::size_t reading = bytes_to_read(files.vertices_kept(survey.most_vertices));
+  const std::uint64_t triangles = mesh.survey.triangles;
+  const std::size_t reading = bytes_to_read(mesh.files.vertices_kept(mesh.survey.most_vertices));
   const std::size_t joining = ShellJoiner::bytes_needed(triangles);
-  if (triangles > ShellJoiner::kMostTriangles || joining + reading + kLeastUseRoom > arena.available()) return false;
+  if (triangles > ShellJoiner::kMostTriangles || joining + reading + kLeastUseRoom > arena.available()) return {};
   auto joiner = ShellJoiner::create(triangles, arena);
   PLUMBLINE_TRY(joiner);
-  const auto joined = join(files, survey, MeshLattice(grid, transform), *joiner, arena, progress.part(0, 0.5));
+  const auto joined = join(mesh, *joiner, arena, progress.part(0, 0.5));
   PLUMBLINE_TRY(joined);
-  if (!*joined) return false;
+  if (!*joined) return {};
   const std::uint32_t count = joiner->number();
   const std::size_t after = Arena::rounded(count * sizeof(Shell)) + Arena::rounded(count * sizeof(std::uint32_t)) +
                             TriangleSides::bytes_needed(triangles) + reading + Arena::kAlignment;
-  if (count > PackedHit::kMostBodies || 2 * std::uint64_t{count} > triangles || after > arena.available()) return false;
+  if (count > PackedHit::kMostBodies || 2 * std::uint64_t{count} > triangles || after > arena.available()) return {};
   JoinedShells shells{*joiner, {}};
   PLUMBLINE_TRY(arena.take_bottom(shells.shells, count, kStage));
   std::ranges::fill(shells.shells, Shell{});
@@ -367,7 +366,7 @@ Expected<bool> read_sides(MeshFiles& files, const MeshSurvey& survey, const Prin
   found.hits.release(arena);
   auto sides = TriangleSides::create(triangles, arena);
   PLUMBLINE_TRY(sides);
-  auto again = hit(files, survey, grid, transform, &shells, arena, progress.part(0.5, 1));
+  auto again = hit(mesh, &shells, arena, progress.part(0.5, 1));
   PLUMBLINE_TRY(again);
   std::span<std::uint32_t> order;
   PLUMBLINE_TRY(arena.take_bottom(order, count, kStage));
@@ -389,50 +388,49 @@ Expected<bool> read_sides(MeshFiles& files, const MeshSurvey& survey, const Prin
   again->flat = found.flat;
   again->sides = *sides;
   found = *again;
-  return true;
+  return {};
 }
 
-Expected<ClosedHoles> close_holes(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
-                                  const MeshTransform& transform, MeshHits& mesh, Arena& arena,
+Expected<ClosedHoles> close_holes(const PlacedMesh& mesh, MeshHits& found, Arena& arena,
                                   const StageProgress& progress) {
   const BottomScope scope(arena);
-  HitList& hits = mesh.hits;
+  HitList& hits = found.hits;
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
-  auto vertices = VertexList::create(files.vertices_kept(survey.most_vertices), arena);
+  auto vertices = VertexList::create(mesh.files.vertices_kept(mesh.survey.most_vertices), arena);
   PLUMBLINE_TRY(vertices);
   auto edges = OpenEdges::create(arena);
   PLUMBLINE_TRY(edges);
-  const MeshLattice lattice(grid, transform);
+  const MeshLattice lattice(mesh.grid, mesh.transform);
   for (const bool users : {false, true}) {
     if (users) PLUMBLINE_TRY(edges->begin_users());
     const StageProgress half = users ? progress.part(0.5, 1) : progress.part(0, 0.5);
-    EdgeSink sink(files, half, lattice, mesh.sides, *edges, users);
-    PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, [](const MeshSummary&) {}));
+    EdgeSink sink(mesh.files, half, lattice, found.sides, *edges, users);
+    PLUMBLINE_TRY(mesh.files.read(sink, *vertices, *workspace, [](const MeshSummary&) {}));
     if (edges->full()) return ClosedHoles{};
   }
-  const bool whole = edges->runs() <= survey.triangles / 2;
+  const bool whole = edges->runs() <= mesh.survey.triangles / 2;
   if ((!whole && edges->runs() > kMostRim) || small_hole_bytes(edges->runs()) > arena.available()) return ClosedHoles{};
-  const auto found = close_small_holes(*edges, lattice.step(), whole ? kMostCorners : 0, arena);
-  PLUMBLINE_TRY(found);
+  const auto small = close_small_holes(*edges, lattice.step(), whole ? kMostCorners : 0, arena);
+  PLUMBLINE_TRY(small);
   PLUMBLINE_TRY(hits.reopen(arena));
   bool full = false;
-  for (const LatticeTriangle& cap : found->caps) {
-    for_each_hit(cap, grid, [&](const RayHit& hit) { full |= !hits.add(hit); });
+  for (const LatticeTriangle& cap : small->caps) {
+    for_each_hit(cap, mesh.grid, [&](const RayHit& hit) { full |= !hits.add(hit); });
   }
   if (full) return fail_full(hits);
   PLUMBLINE_TRY(hits.close(arena));
   arena.reset_peak();  // the open list took the rest of the arena
-  ClosedHoles closed{found->holes, found->rim.empty(), {}, {}};
-  if (found->rim.size() <= kMostRim) {
-    const auto rim = arena.take_top<RimCorner>(found->rim.size(), kStage);
+  ClosedHoles closed{small->holes, small->rim.empty(), {}, {}};
+  if (small->rim.size() <= kMostRim) {
+    const auto rim = arena.take_top<RimCorner>(small->rim.size(), kStage);
     PLUMBLINE_TRY(rim);
-    std::ranges::copy(found->rim, rim->begin());
+    std::ranges::copy(small->rim, rim->begin());
     closed.rim = *rim;
   } else {
-    const auto caps = arena.take_top<LatticeTriangle>(found->caps.size(), kStage);
+    const auto caps = arena.take_top<LatticeTriangle>(small->caps.size(), kStage);
     PLUMBLINE_TRY(caps);
-    std::ranges::copy(found->caps, caps->begin());
+    std::ranges::copy(small->caps, caps->begin());
     closed.caps = *caps;
   }
   return closed;

@@ -32,37 +32,40 @@ struct SurveyedMesh {
                                                  std::optional<std::uint64_t> most_vertices, Arena& arena,
                                                  const StageProgress& progress);
 
+/// A mesh where it is printed.
+struct PlacedMesh {
+  MeshFiles& files;
+  const MeshSurvey& survey;  ///< of the same files
+  PrintGrid grid;
+  MeshTransform transform;
+};
+
 struct MeshHits {
   HitList hits;            ///< sorted, at the top of the arena
   bool closed = false;     ///< EdgeSum
   std::uint64_t flat = 0;  ///< triangles with two corners in one place
   // Set by read_sides():
-  TriangleSides sides;        ///< at the top of the arena, before the hits
+  TriangleSides sides = {};   ///< at the top of the arena, before the hits; empty: they stay as they are in the files
   std::uint64_t turned = 0;   ///< triangles
   std::uint64_t dropped = 0;  ///< triangles that are there more than once
 };
-/// @param survey  of the same files
 /// @retval ErrorCode::kCannotRead  the files have changed since the survey
-[[nodiscard]] Expected<MeshHits> read_hits(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
-                                           const MeshTransform& transform, Arena& arena, const StageProgress& progress);
+[[nodiscard]] Expected<MeshHits> read_hits(const PlacedMesh& mesh, Arena& arena, const StageProgress& progress);
 
 /// Bytes of the arena that read_sides() takes at most, beside the hits.
 std::size_t sides_bytes(std::uint64_t triangles, std::uint64_t most_vertices, std::size_t available);
 
 /// Reads the triangles again, to join them to shells (as often as the room for their edges is too small), then once more with the sides
-/// that the shells have: Shell, orient_shells().
+/// that the shells have: Shell, orient_shells(). Changes nothing where there is no room, or hardly any triangle shares an edge with another.
 /// @param found  the hits of the same files, the last block taken from the top of the arena; replaced
-/// @returns false if nothing was changed: there is no room, or hardly any triangle shares an edge with another
-[[nodiscard]] Expected<bool> read_sides(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
-                                        const MeshTransform& transform, MeshHits& found, Arena& arena,
-                                        const StageProgress& progress);
+[[nodiscard]] Status read_sides(const PlacedMesh& mesh, MeshHits& found, Arena& arena, const StageProgress& progress);
 
 struct ClosedHoles {
   std::uint64_t holes = 0;  ///< that were closed
   bool all = false;         ///< the hits are now those of a closed mesh
   // If not, one of these, at the top of the arena. Neither if no hole was closed, and the rim is long or not known.
-  std::span<const RimCorner> rim;         ///< MeshRim of what is left open
-  std::span<const LatticeTriangle> caps;  ///< that close the holes; the rim is longer than kMostRim
+  std::span<const RimCorner> rim = {};         ///< MeshRim of what is left open
+  std::span<const LatticeTriangle> caps = {};  ///< that close the holes; the rim is longer than kMostRim
 };
 /// Corners of a rim: with more, the winding number of all triangles in cells takes less time.
 inline constexpr std::size_t kMostRim = 2048;
@@ -70,8 +73,7 @@ inline constexpr std::size_t kMostRim = 2048;
 /// Reads the triangles twice, to close the small holes of a mesh (close_small_holes()), to add the hits of the caps, and to find the
 /// rim of the large ones. It closes none in a mesh most of whose edges are open, or that has more of them than there is room for.
 /// @param found  the hits of the same files, the last block taken from the top of the arena
-[[nodiscard]] Expected<ClosedHoles> close_holes(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
-                                                const MeshTransform& transform, MeshHits& found, Arena& arena,
+[[nodiscard]] Expected<ClosedHoles> close_holes(const PlacedMesh& mesh, MeshHits& found, Arena& arena,
                                                 const StageProgress& progress);
 
 /// What read_dipoles() needs to know of the surface, all of it transformed.

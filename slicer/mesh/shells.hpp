@@ -113,6 +113,7 @@ class TriangleSides {
  public:
   static std::size_t bytes_needed(std::uint64_t triangles) { return Arena::rounded(words(triangles) * 8); }
   TriangleSides() = default;
+  bool empty() const { return words_.empty(); }  ///< whether all triangles stay as they are
   /// @param arena  bytes_needed() from the top
   [[nodiscard]] static Expected<TriangleSides> create(std::uint64_t triangles, Arena& arena);
 

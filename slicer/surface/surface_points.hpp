@@ -16,10 +16,10 @@ namespace plumbline {
 struct SurfaceSettings {
   NormalSource normals = NormalSource::kScanner;
   bool keep_strays = false;
-  bool averaged = false;     ///< the points are means of neighbours, which need more evidence than a scan's
-  bool may_average = false;  ///< there are enough points to average neighbours (again)
-  FloorChoice floor;         ///< its height in coordinates of the cloud
-  std::span<Vec3f> sample;   ///< room for points that the R-Rep is proven against; empty: for none
+  bool averaged = false;         ///< the points are means of neighbours, which need more evidence than a scan's
+  bool may_average = false;      ///< there are enough points to average neighbours (again)
+  FloorChoice floor;             ///< its height in coordinates of the cloud
+  std::span<Vec3f> sample = {};  ///< room for points that the R-Rep is proven against; empty: for none
 };
 
 struct SurfacePoints {

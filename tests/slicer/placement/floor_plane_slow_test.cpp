@@ -29,7 +29,9 @@ TEST_P(FloorOf, ARealScanIsNotFound) {
     settings.placement.rotation_degrees[0] = degrees;
     settings.placement.fit = true;
     PreparationReport report;
-    check(prepare(ScanSources(one), set_threads(settings), *arena, nullptr, report).map([](const auto&) {}));
+    const StageContext job{*arena, nullptr, report};
+    const ReadScan read = value_of(read_points(ScanSources(one), set_threads(settings), job, report));
+    check(prepare(read, set_threads(settings), job, report).map([](const auto&) {}));
     EXPECT_EQ(report.floor.points, 0U) << degrees;
   }
 }
