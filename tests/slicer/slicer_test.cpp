@@ -263,7 +263,7 @@ Error refusal(const Surface& surface, const SliceSettings& settings, Listener* l
   const auto rrep = slice(source, settings, *arena, listener, report);
   if (rrep) {
     ADD_FAILURE() << "was sliced";
-    return {};
+    return Error::format(ErrorCode::kMalformed, "it was sliced");
   }
   EXPECT_EQ(arena->used(), 0U);
   return rrep.error();

@@ -53,7 +53,7 @@ MeshReading read_triangles(const std::string& bytes, const std::string& name, st
   ArenaBlock arena(VertexList::bytes_needed(vertices) + Arena::kAlignment);
   VertexList list = *VertexList::create(vertices, *arena);
   std::vector<std::byte> workspace(kReaderWorkspace, std::byte{0xA5});
-  MeshReading reading{tl::unexpected<Error>(Error()), {}};
+  MeshReading reading{fail(ErrorCode::kMalformed, "not read"), {}};
   reading.summary = read_mesh(source, reading.triangles, list, workspace);
   return reading;
 }

@@ -106,7 +106,7 @@ struct ThreeMf {
 
   ThreeMfTriangles found;
   bool is_copied = false;
-  Expected<MeshSummary> summary = tl::unexpected<Error>(Error());
+  Expected<MeshSummary> summary = fail(ErrorCode::kMalformed, "not read");
 };
 
 const TestMesh kBlock = box_mesh({0, 0, 0}, {1, 2, 3});  // 6 mm^3
