@@ -112,19 +112,14 @@ void ProgressLines::averages(std::uint32_t points) {
   write_line(line.view());
 }
 
-FixedText<128> lies_wrong_sentence(double x_degrees, double y_degrees) {
+void ProgressLines::lies_wrong(double x_degrees, double y_degrees) {
   FixedText<128> text;
   text.add("the scan seems to lie on its side or its head. To stand it up:");
   if (x_degrees != 0) text.add(" --rotate-x %.4g", x_degrees);
   if (y_degrees != 0) text.add(" --rotate-y %.4g", y_degrees);
   text.add(".");
-  return text;
-}
-
-void ProgressLines::lies_wrong(double x_degrees, double y_degrees) {
-  const auto sentence = lies_wrong_sentence(x_degrees, y_degrees);
-  warn(sentence.view());
-  told_ = sentence;
+  warn(text.view());
+  told_ = text;
 }
 
 void ProgressLines::warn(std::string_view sentence) {

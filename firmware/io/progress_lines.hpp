@@ -54,9 +54,6 @@ class ProgressLines final : public ProgressDisplay {
   FixedText<128> told_;      ///< by lies_wrong(); empty: nothing
 };
 
-/// "the scan seems to lie on its side or its head. To stand it up: --rotate-x 90"
-FixedText<128> lies_wrong_sentence(double x_degrees, double y_degrees);
-
 /// Writes a line to standard error. A failure of this and of the others is ignored: there is nowhere left to report it.
 void write_line(const PrintableText& line);
 /// Puts `line` in the place of the terminal's last line, which it leaves open for the next one.

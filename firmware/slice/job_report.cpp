@@ -15,7 +15,7 @@ namespace {
 constexpr double kSmallestUsual = 5;   ///< mm, longest side; smaller and larger prints are rare, and wrong units common
 constexpr double kLargestUsual = 500;  ///< mm
 constexpr double kThinnest = 2;        ///< pixels or layers; opening removes what is thinner
-constexpr double kFewTurned = 0.01;    ///< share of the normals; if fewer were flipped, there is no warning
+constexpr double kFewTurned = 1;       ///< % of the normals; if fewer were flipped, there is no warning
 
 double voxel_mm3(const PrintGrid& grid) {
   return static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm) *
@@ -121,9 +121,16 @@ double JobReport::share_of_rays(RayDecision decision) const {
   return shot > 0 ? static_cast<double>(slice.rays.decided[static_cast<std::size_t>(decision)]) / shot : 0;
 }
 
-const char* why_left_out(ScanFormat format) {
-  const bool splats = format == ScanFormat::kPly || format == ScanFormat::kSpz;
-  return splats ? "splats that hardly show, or far larger than the others" : "the file marks them as invalid";
+void for_each_dropped(const ScanSummary& scan, FunctionRef<void(const char*)> say) {
+  const bool splats = scan.header.format == ScanFormat::kPly || scan.header.format == ScanFormat::kSpz;
+  const auto dropped = [&](std::uint64_t points, const char* why) {
+    FixedText<128> text;
+    text.add("%llu point%s dropped: %s", big(points), plural_s(points), why);
+    if (points > 0) say(text.c_str());
+  };
+  dropped(scan.not_finite, "not finite");
+  dropped(scan.left_out,
+          splats ? "splats that hardly show, or far larger than the others" : "the file marks them as invalid");
 }
 
 FixedText<128> unseen_sentence(const Unseen& unseen) {
@@ -157,65 +164,31 @@ FixedText<96> size_text(const Placement& placement) {
   return text;
 }
 
-Sentence stray_warning(const StrayPieces& strays) {
-  Sentence text;
-  if (strays.pieces == 0) return text;
-  const bool one = strays.pieces == 1;
-  text.add("%u stray piece%s left out: %u point%s apart from the object, %.2g %% of the scan's surface", strays.pieces,
-           one ? " was" : "s were", strays.points, plural_s(strays.points), 100 * static_cast<double>(strays.share));
-  return text;
-}
-
 Sentence ignored_units_warning(Units units) {
   Sentence text;
   text.add("the unit %s was ignored: the file says its own (E57 in metres, 3MF and tables any)", to_string(units));
   return text;
 }
 
-Sentence floor_warning(const FloorCut& floor, double scale) {
-  Sentence text;
-  const Vec3d mm = floor.size * scale;
-  text.add("a floor of %.1f x %.1f x %.1f mm was cut off, at height %.5g of the scan", mm[0], mm[1], mm[2],
-           floor.height);
-  constexpr float kLevel = 0.001F;
-  if (floor.tilt > kLevel) text.add(", which was levelled by %.2g in 100", 100 * static_cast<double>(floor.tilt));
-  return text;
-}
+namespace {
 
-Sentence averaged_warning(std::uint32_t averagings, double noise_mm) {
+/// Normals that were flipped; nothing if they are few, as those of flying pixels at edges.
+void remark_on_normals(const PreparationCounts& scan, RemarkVisit visit) {
+  const double percent = 100.0 * scan.normals.turned / std::max(1U, scan.cloud_points);
   Sentence text;
-  if (averagings == 0) return text;
-  text.add(
-      "the points are too noisy to show a surface (about %.2g mm), so neighbours were averaged, %u time%s: "
-      "finer details are lost. Check the preview, or scan with less noise",
-      noise_mm, averagings, plural_s(averagings));
-  return text;
-}
-
-Sentence turned_warning(const NormalCounts& normals, std::uint32_t points) {
-  Sentence text;
-  const double share = points > 0 ? static_cast<double>(normals.turned) / points : 0;
-  if (normals.contradictory) {
+  if (scan.normals.contradictory) {
     text.add(
         "the scan's normals face into the object and out of it at random; %.0f %% were flipped. Check in the preview "
         "that its solid parts are solid, or scan again",
-        100 * share);
-  } else if (normals.inside_out) {
-    text.add("the scan is inside out: %.0f %% of its normals pointed into the object and were flipped", 100 * share);
-  } else if (share > kFewTurned) {
-    text.add("%.2g %% of the normals pointed into the object and were flipped", 100 * share);
+        percent);
+    visit({PrinterCode::kNormalsAtRandom, {{Fact::kPercent, percent}}}, text.view());
+  } else if (scan.normals.inside_out) {
+    text.add("the scan is inside out: %.0f %% of its normals pointed into the object and were flipped", percent);
+    visit({PrinterCode::kInsideOut, {{Fact::kPercent, percent}}}, text.view());
+  } else if (percent > kFewTurned) {
+    text.add("%.2g %% of the normals pointed into the object and were flipped", percent);
+    visit({PrinterCode::kNormalsFlipped, {{Fact::kPercent, percent}}}, text.view());
   }
-  return text;
-}
-
-namespace {
-
-/// turned_warning() as a code.
-Told told_turned(const NormalCounts& normals, std::uint32_t points) {
-  const PrinterCode code = normals.contradictory ? PrinterCode::kNormalsAtRandom
-                           : normals.inside_out  ? PrinterCode::kInsideOut
-                                                 : PrinterCode::kNormalsFlipped;
-  return {code, {{Fact::kPercent, 100.0 * normals.turned / std::max(points, 1U)}}};
 }
 
 /// What a slicer's project holds that is not used.
@@ -328,38 +301,71 @@ FixedText<128> mesh_text(const MeshCounts& mesh) {
   return text;
 }
 
-bool lies_on_its_face(const ClusteringCounts& clustering) {
-  return clustering.points.is_negligible(PointClass::kExiting) &&
-         !clustering.points.is_negligible(PointClass::kEntering);
+FixedText<96> classes_text(const ClassCounts& points) {
+  FixedText<96> text;
+  for (std::size_t i = 0; i < kPointClassCount; ++i) {
+    const auto which = static_cast<PointClass>(i);
+    text.add("%s%s %.*f %%", i == 0 ? "" : ", ", to_string(which).data(), which == PointClass::kNoise ? 2 : 1,
+             100.0 * points[which] / std::max(1U, points.all()));
+  }
+  return text;
+}
+
+void for_each_scan_remark(const PreparationCounts& scan, double noise_mm, double mm_per_unit, RemarkVisit visit) {
+  Sentence text;
+  if (scan.averagings > 0) {
+    text.add(
+        "the points are too noisy to show a surface (about %.2g mm), so neighbours were averaged, %u time%s: "
+        "finer details are lost. Check the preview, or scan with less noise",
+        noise_mm, scan.averagings, plural_s(scan.averagings));
+    visit({PrinterCode::kNoiseAveraged, {{Fact::kNoiseMm, noise_mm}, {Fact::kCount, scan.averagings}}}, text.view());
+  }
+  if (const FloorCut& floor = scan.floor; floor.points > 0) {
+    constexpr float kLevel = 0.001F;
+    const Vec3d mm = floor.size * mm_per_unit;
+    text = {};
+    text.add("a floor of %.1f x %.1f x %.1f mm was cut off, at height %.5g of the scan", mm[0], mm[1], mm[2],
+             floor.height);
+    if (floor.tilt > kLevel) text.add(", which was levelled by %.2g in 100", 100 * static_cast<double>(floor.tilt));
+    visit({PrinterCode::kFloorCut,
+           {{Fact::kWidthMm, mm[0]},
+            {Fact::kDepthMm, mm[1]},
+            {Fact::kHeightMm, mm[2]},
+            {Fact::kPoints, floor.points},
+            {Fact::kFloor, floor.height}}},
+          text.view());
+  }
+  if (const StrayPieces& strays = scan.strays; strays.pieces > 0) {
+    const double percent = 100 * double{strays.share};
+    text = {};
+    text.add("%u stray piece%s left out: %u point%s apart from the object, %.2g %% of the scan's surface",
+             strays.pieces, strays.pieces == 1 ? " was" : "s were", strays.points, plural_s(strays.points), percent);
+    visit({PrinterCode::kPiecesLeftOut,
+           {{Fact::kCount, strays.pieces}, {Fact::kPoints, strays.points}, {Fact::kPercent, percent}}},
+          text.view());
+  }
+  remark_on_normals(scan, visit);
+}
+
+void remark_on_orientation(const PreparationCounts& scan, RemarkVisit visit) {
+  const ClassCounts& points = scan.clustering.points;
+  if (points.is_negligible(PointClass::kExiting) && !points.is_negligible(PointClass::kEntering)) {
+    visit(PrinterCode::kOnItsFace, "the scan shows one side only, which faces down, so most of it can't be closed");
+  } else if (scan.upright) {
+    const auto [x, y] = scan.upright->degrees;
+    Told told(PrinterCode::kLiesWrong);
+    if (x != 0) told.add(Fact::kTurnXDeg, x);
+    if (y != 0) told.add(Fact::kTurnYDeg, y);
+    visit(told, "the scan seems to lie on its side or its head");
+  }
 }
 
 void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
   for_each_size_remark(slice, visit);
   remark_on_asked_size(slice, visit);
   if (slice.mesh) return for_each_mesh_remark(*slice.mesh, visit);
-  if (slice.averagings > 0) {
-    const auto noise_mm = static_cast<double>(slice.lengths.averaged_noise.value);
-    visit({PrinterCode::kNoiseAveraged, {{Fact::kNoiseMm, noise_mm}, {Fact::kCount, slice.averagings}}},
-          averaged_warning(slice.averagings, noise_mm).view());
-  }
-  if (slice.floor.points > 0) {
-    const Vec3d mm = slice.floor.size * slice.placement.scale;
-    visit({PrinterCode::kFloorCut,
-           {{Fact::kWidthMm, mm[0]},
-            {Fact::kDepthMm, mm[1]},
-            {Fact::kHeightMm, mm[2]},
-            {Fact::kPoints, slice.floor.points},
-            {Fact::kFloor, slice.floor.height}}},
-          floor_warning(slice.floor, slice.placement.scale).view());
-  }
-  if (const StrayPieces& strays = slice.strays; strays.pieces > 0) {
-    visit(
-        {PrinterCode::kPiecesLeftOut,
-         {{Fact::kCount, strays.pieces}, {Fact::kPoints, strays.points}, {Fact::kPercent, 100 * double{strays.share}}}},
-        stray_warning(strays).view());
-  }
-  Sentence text = turned_warning(slice.normals, slice.cloud_points);
-  if (!text.view().empty()) visit(told_turned(slice.normals, slice.cloud_points), text.view());
+  for_each_scan_remark(slice, static_cast<double>(slice.lengths.averaged_noise.value), slice.placement.scale, visit);
+  Sentence text;
   if (slice.components.floating_solids > 0) {
     text = {};
     const bool one = slice.components.floating_solids == 1;
@@ -381,15 +387,7 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
           "scan "
           "does not resolve stay");
   }
-  if (lies_on_its_face(slice.clustering)) {
-    visit(PrinterCode::kOnItsFace, kOnItsFaceText);
-  } else if (slice.upright) {
-    const auto [x, y] = std::pair(slice.upright->degrees[0], slice.upright->degrees[1]);
-    Told told(PrinterCode::kLiesWrong);
-    if (x != 0) told.add(Fact::kTurnXDeg, x);
-    if (y != 0) told.add(Fact::kTurnYDeg, y);
-    visit(told, "the scan seems to lie on its side or its head");
-  }
+  remark_on_orientation(slice, visit);
   if (slice.normals.estimated > 0 && slice.averagings == 0) {
     text = {};
     text.add("%u point%s of the scan %s no usable normal, which was estimated from neighbouring points",

@@ -65,8 +65,8 @@ struct JobReport {
   double share_of_rays(RayDecision decision) const;
 };
 
-/// Why points were left out (ScanSummary::left_out): "the file marks them as invalid".
-const char* why_left_out(ScanFormat format);
+/// Says which points the reader has dropped: "12 points dropped: not finite".
+void for_each_dropped(const ScanSummary& scan, FunctionRef<void(const char*)> say);
 
 /// Shares of the whole surface that the scanner did not see, 0 to 1: the one definition for reports, warnings and pictures.
 struct Unseen {
@@ -90,34 +90,28 @@ FixedText<96> scanned_text(const Unseen& unseen);
 /// "39.85 x 30.08 x 59.30 mm, 1184 layers of 0.05 mm": the size of the placed object, without supports.
 FixedText<96> size_text(const Placement& placement);
 
-/// The sentence about stray pieces that were left out; empty if there were none.
-Sentence stray_warning(const StrayPieces& strays);
-
 /// Says that the unit asked for was ignored, and why.
 Sentence ignored_units_warning(Units units);
-
-/// The sentence about neighbours that were averaged; empty if they were not.
-/// @param noise_mm  of the scan's points
-Sentence averaged_warning(std::uint32_t averagings, double noise_mm);
-
-/// The sentence about a floor that was cut off.
-/// @param scale  mm per scan unit
-Sentence floor_warning(const FloorCut& floor, double scale);
-
-/// The sentence about normals that were flipped; empty if they are few, as those of flying pixels at edges.
-/// @param points  of the cloud
-Sentence turned_warning(const NormalCounts& normals, std::uint32_t points);
 
 /// "1042 triangles, closed".
 FixedText<128> mesh_text(const MeshCounts& mesh);
 
-/// Whether the scan shows one side only, and that side faces down.
-bool lies_on_its_face(const ClusteringCounts& clustering);
-inline constexpr const char* kOnItsFaceText =
-    "the scan shows one side only, which faces down, so most of it can't be closed";
+/// "entering", "exiting", "neutral", "noise".
+constexpr std::string_view to_string(PointClass point_class) {
+  constexpr std::array<std::string_view, kPointClassCount> kWords = {"entering", "exiting", "neutral", "noise"};
+  return kWords[static_cast<std::size_t>(point_class)];
+}
+
+/// "entering 46.2 %, exiting 31.0 %, neutral 22.1 %, noise 0.71 %".
+FixedText<96> classes_text(const ClassCounts& points);
 
 using RemarkVisit = FunctionRef<void(const Told& told, std::string_view sentence)>;
-/// A sentence each for what was left out of the scan, what was changed in it, and a bad orientation.
+/// A sentence each for noise that was averaged, a floor and stray pieces that were left out, and normals that were flipped.
+/// @param noise_mm  of the scan's points
+void for_each_scan_remark(const PreparationCounts& scan, double noise_mm, double mm_per_unit, RemarkVisit visit);
+/// A sentence if the scan plainly lies wrong.
+void remark_on_orientation(const PreparationCounts& scan, RemarkVisit visit);
+/// Both, and a sentence each for what else was left out or changed, and for a size that is not as asked for.
 void for_each_remark(const SliceReport& slice, RemarkVisit visit);
 
 /// Adds to report.warnings what a user should know before printing, issues of the masks included.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "firmware/messages/told_text.hpp"
 #include "firmware/slice/job_archive.hpp"
 #include "firmware/slice/proof_report.hpp"
 #include "slicer/core/numbers/mib.hpp"
@@ -40,13 +39,7 @@ void add_scan(Text& text, const JobReport& report) {
            to_string(s.scan.header.format), s.scan.header.encoding,
            s.scan.header.has_normals ? "with normals" : "without normals");
   add_files(text, report.scan_names, s.scans);
-  if (s.scan.not_finite > 0) {
-    text.add("           %llu point%s dropped: not finite\n", big(s.scan.not_finite), plural_s(s.scan.not_finite));
-  }
-  if (s.scan.left_out > 0) {
-    text.add("           %llu point%s dropped: %s\n", big(s.scan.left_out), plural_s(s.scan.left_out),
-             why_left_out(s.scan.header.format));
-  }
+  for_each_dropped(s.scan, [&](const char* sentence) { text.add("           %s\n", sentence); });
   if (s.outliers > 0) {
     text.add("           %u point%s dropped: outliers, far from others and on no surface\n", s.outliers,
              plural_s(s.outliers));
@@ -109,10 +102,7 @@ void add_grid(Text& text, const JobReport& report) {
 
 void add_clusters(Text& text, const SliceReport& s) {
   if (s.mesh) return;
-  const auto share = [&](PointClass c) { return percent(s.clustering.points[c], s.clustering.points.all()); };
-  text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
-           share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
-           share(PointClass::kNoise));
+  text.add("points     %s\n", classes_text(s.clustering.points).c_str());
   if (s.lengths.views_moved.value > 0) {
     const bool runs = s.stated_views.count == 0;
     text.add("views      %u%s moved by %.3g mm to agree: points were %.3g mm off their surface, now %.3g mm\n",
@@ -120,10 +110,6 @@ void add_clusters(Text& text, const SliceReport& s) {
              static_cast<double>(s.lengths.views_moved.value), static_cast<double>(s.lengths.views_before.value),
              static_cast<double>(s.lengths.views_after.value));
   }
-  if (s.strays.pieces > 0)
-    text.add("strays     %s\n", at_terminal({PrinterCode::kPiecesLeftOut, {{Fact::kCount, s.strays.pieces}}},
-                                            stray_warning(s.strays).view())
-                                    .c_str());
   text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.lengths.epsilon.value),
            static_cast<double>(s.width_mm), static_cast<double>(s.lengths.noise.value));
 }

@@ -27,6 +27,13 @@ std::uint64_t missing_normals(const ScanSummary& scan) { return scan.header.has_
 
 std::uint32_t points_of(const InspectReport& scan, PointClass c) { return scan.clustering.points[c]; }
 
+/// Adds each remark as a line.
+auto remarks_in(Text& text) {
+  return [&text](const Told& told, std::string_view sentence) {
+    text.add("           %s\n", at_terminal(told, sentence).c_str());
+  };
+}
+
 void add_scan(Text& text, const ScanOutlook& o) {
   const ScanSummary& scan = o.scan.scan;
   if (o.scan.mesh) {
@@ -44,24 +51,8 @@ void add_scan(Text& text, const ScanOutlook& o) {
              plural_s(o.scan.scans.each[i].points),
              o.scan.scans.each[i].header.has_normals ? "with normals" : "without normals");
   }
-  if (scan.not_finite > 0) {
-    text.add("           %llu point%s left out: not finite\n", big(scan.not_finite), plural_s(scan.not_finite));
-  }
-  if (scan.left_out > 0) {
-    text.add("           %llu point%s left out: %s\n", big(scan.left_out), plural_s(scan.left_out),
-             why_left_out(scan.header.format));
-  }
-  const auto averaged = averaged_warning(o.scan.averagings, o.mm(o.scan.lengths.averaged_noise));
-  if (!averaged.view().empty()) text.add("           %s\n", averaged.c_str());
-  const auto turned = turned_warning(o.scan.normals, o.scan.cloud_points);
-  if (!turned.view().empty()) text.add("           %s\n", turned.c_str());
-  if (o.scan.floor.points > 0)
-    text.add("           %s\n",
-             at_terminal(PrinterCode::kFloorCut, floor_warning(o.scan.floor, o.unit_mm() * o.scale()).view()).c_str());
-  if (o.scan.strays.pieces > 0)
-    text.add("           %s\n", at_terminal({PrinterCode::kPiecesLeftOut, {{Fact::kCount, o.scan.strays.pieces}}},
-                                            stray_warning(o.scan.strays).view())
-                                    .c_str());
+  for_each_dropped(scan, [&](const char* sentence) { text.add("           %s\n", sentence); });
+  for_each_scan_remark(o.scan, o.mm(o.scan.lengths.averaged_noise), o.unit_mm() * o.scale(), remarks_in(text));
 }
 
 /// Size and layers, whether they fit, and how long they take: the lines that `plumbline slice` prints, before slicing.
@@ -104,11 +95,7 @@ void add_coverage(Text& text, const ScanOutlook& o) {
     text.add("turned     to its best orientation: --rotate-x %.4g --rotate-y %.4g\n", o.scan.turned->degrees[0],
              o.scan.turned->degrees[1]);
   }
-  if (lies_on_its_face(o.scan.clustering)) {
-    text.add("           %s\n", at_terminal(PrinterCode::kOnItsFace, kOnItsFaceText).c_str());
-  } else if (o.scan.upright) {
-    text.add("           %s\n", lies_wrong_sentence(o.scan.upright->degrees[0], o.scan.upright->degrees[1]).c_str());
-  }
+  remark_on_orientation(o.scan, remarks_in(text));
 }
 
 void add_issues(Text& text, const ScanOutlook& o) {
@@ -163,10 +150,7 @@ void add_surface(Text& text, const ScanOutlook& o) {
            o.mm(s.lengths.epsilon));
   text.add("noise      %.3g mm, standard deviation off the surface; %.3g mm off the plane of %u neighbours (median)\n",
            o.mm(s.lengths.noise), o.mm(s.roughness), kPlaneNeighbours);
-  const double percent = 100.0 / std::max(1U, s.clustering.points.all());
-  text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
-           percent * points_of(s, PointClass::kEntering), percent * points_of(s, PointClass::kExiting),
-           percent * points_of(s, PointClass::kNeutral), percent * points_of(s, PointClass::kNoise));
+  text.add("points     %s\n", classes_text(s.clustering.points).c_str());
 }
 
 void add_plan(Text& text, const ScanOutlook& o) {
