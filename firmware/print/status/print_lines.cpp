@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/progress_lines.hpp"
@@ -14,15 +15,8 @@ namespace {
 /// Between two drawings on a terminal: often enough for a person, rarely enough to cost the print little.
 constexpr auto kRedraw = std::chrono::milliseconds(100);
 
-const char* word_of(CheckOutcome outcome) {
-  switch (outcome) {
-    case CheckOutcome::kNotReached: return "-";
-    case CheckOutcome::kPassed: return "ok";
-    case CheckOutcome::kWarned: return "note";
-    case CheckOutcome::kFailed: return "FAILED";
-  }
-  return "?";
-}
+/// By CheckOutcome.
+constexpr std::array<const char*, 4> kMarks = {"-", "ok", "note", "FAILED"};
 
 /// Why a print waits and what makes it continue; null if it does not wait.
 const char* reason_to_wait(PrintState state) {
@@ -138,8 +132,8 @@ void PrintLines::checked(Check check, const CheckResult& result) {
   if (show_ == Show::kNothing || (show_ == Show::kPrint && result.outcome == CheckOutcome::kPassed)) return;
   FixedText<320> line;
   const auto name = to_string(check);
-  line.add("  check %-13.*s %-6s %s", static_cast<int>(name.size()), name.data(), word_of(result.outcome),
-           result.detail.c_str());
+  line.add("  check %-13.*s %-6s %s", static_cast<int>(name.size()), name.data(),
+           kMarks[static_cast<std::size_t>(result.outcome)], result.detail.c_str());
   write_line(line.view());
 }
 

@@ -8,33 +8,6 @@
 
 namespace plumbline {
 
-std::string_view to_string(Check check) {
-  switch (check) {
-    case Check::kMemory: return "memory";
-    case Check::kObject: return "object";
-    case Check::kMasks: return "masks";
-    case Check::kLight: return "light";
-    case Check::kLampDark: return "lamp dark";
-    case Check::kPanel: return "panel";
-    case Check::kCover: return "cover";
-    case Check::kTemperatures: return "temperatures";
-    case Check::kResin: return "resin";
-    case Check::kJournal: return "journal";
-    case Check::kStage: return "stage";
-  }
-  return "unknown check";
-}
-
-std::string_view to_string(CheckOutcome outcome) {
-  switch (outcome) {
-    case CheckOutcome::kNotReached: return "not reached";
-    case CheckOutcome::kPassed: return "passed";
-    case CheckOutcome::kWarned: return "noted";
-    case CheckOutcome::kFailed: return "failed";
-  }
-  return "unknown outcome";
-}
-
 void PrintReport::add(const ExposureLine& exposure) {
   if (exposures.size() == room.size()) {
     ++exposures_left_out;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/status/fault.hpp"
@@ -31,12 +32,16 @@ enum class Check : std::uint8_t {
 };
 inline constexpr std::size_t kCheckCount = 11;
 
-/// "memory", "object", ...
-std::string_view to_string(Check check);
+/// In this order.
+inline constexpr std::array<std::string_view, kCheckCount> kCheckWords = {
+    "memory", "object", "masks", "light", "lamp dark", "panel", "cover", "temperatures", "resin", "journal", "stage"};
+static_assert(!kCheckWords.back().empty());
+constexpr std::string_view to_string(Check check) { return kCheckWords[static_cast<std::size_t>(check)]; }
 
 enum class CheckOutcome : std::uint8_t { kNotReached, kPassed, kWarned, kFailed };
-/// "not reached", "passed", "noted", "failed": in reports and on the state socket.
-std::string_view to_string(CheckOutcome outcome);
+/// In reports and on the state socket, in this order.
+inline constexpr std::array<std::string_view, 4> kOutcomeWords = {"not reached", "passed", "noted", "failed"};
+constexpr std::string_view to_string(CheckOutcome outcome) { return kOutcomeWords[static_cast<std::size_t>(outcome)]; }
 
 struct CheckResult {
   CheckOutcome outcome = CheckOutcome::kNotReached;
