@@ -15,7 +15,18 @@ try:
 except ImportError:
     Draft202012Validator = None
 
-SCHEMA = json.loads((SOURCE_DIR / "firmware/state/state.schema.json").read_text())
+
+def closed(schema):
+    """@returns the schema without room for members that it does not name: clients ignore such, but the printer must not send any"""
+    if isinstance(schema, list):
+        return [closed(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    parts = {key: closed(part) for key, part in schema.items()}
+    return {"additionalProperties": False, **parts} if "properties" in schema else parts
+
+
+SCHEMA = closed(json.loads((SOURCE_DIR / "firmware/state/state.schema.json").read_text()))
 SECONDS = 180  # only what goes wrong takes as long
 
 
