@@ -11,11 +11,11 @@
 #include "firmware/io/output_file.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
-#include "firmware/io/text/json_writer.hpp"
 #include "firmware/io/version.hpp"
 #include "firmware/print/sliced_scan.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "firmware/slice/manifest.hpp"
 #include "firmware/slice/mask_stack.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/checks/what_matters.hpp"
@@ -179,23 +179,14 @@ Status write_findings_json(const CheckedMasks& masks, const CheckPolicy& policy)
   OutputFile out = OutputFile::standard_output();
   JsonWriter json(out);
   json.begin_object();
-  json.key("plumbline");
-  json.begin_object(JsonWriter::Layout::kOneLine);
+  json.begin_object("plumbline", kOneLine);
   json.member("version", kVersion);
   json.end_object();
-  json.member("name", std::string_view(masks.name));
+  json.member("name", masks.name);
   json.key("grid");
-  json.begin_object(JsonWriter::Layout::kOneLine);
-  json.member("columns", masks.grid.columns);
-  json.member("rows", masks.grid.rows);
-  json.member("layers", masks.grid.layers);
-  json.key("pixel_pitch_mm");
-  json.row(std::array{masks.grid.pitch_x_mm, masks.grid.pitch_y_mm});
-  json.member("layer_height_mm", masks.grid.layer_height_mm);
-  json.end_object();
+  write_object(json, kGridFields, masks.grid);
   if (masks.grey.lit > 0) {
-    json.key("grey");
-    json.begin_object(JsonWriter::Layout::kOneLine);
+    json.begin_object("grey", kOneLine);
     json.member("lit_pixels", masks.grey.lit);
     json.member("grey_pixels", masks.grey.grey);
     json.member("lost_pixels", masks.grey.lost);

@@ -77,8 +77,7 @@ Status write_findings_json(OutputFile& out, const std::string& printer, std::spa
   json.begin_object();
   json.member("printer", std::string_view(printer));
   json.member("prints", prints(findings));
-  json.key("findings");
-  json.begin_array();
+  json.begin_array("findings");
   for (const auto& one : findings) {
     json.begin_object();
     json.member("verdict", std::string_view(one.verdict == Verdict::kWrong  ? "wrong"

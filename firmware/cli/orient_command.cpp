@@ -86,8 +86,7 @@ Status write_proposals_json(OutputFile& out, const Proposals& found) {
   json.begin_object();
   json.key("now");
   write_cost(json, found[0]);
-  json.key("best");
-  json.begin_array();
+  json.begin_array("best");
   for (const Proposal& o : std::span(found).subspan(1)) write_cost(json, o);
   json.end_array();
   json.end_object();

@@ -9,7 +9,9 @@ HttpAnswer AnswerText::refuse(unsigned status, std::string_view error, std::stri
     json.member("ok", false);
     json.member("error", error);
     if (!advice.empty()) json.member("advice", advice);
-    if (!told.empty()) write_told(json, "told", told);
+    if (told.empty()) return;
+    json.key("told");
+    write_told(json, told);
   });
   answer.status = status;
   return answer;

@@ -10,6 +10,7 @@
 #include "firmware/io/random_id.hpp"
 #include "firmware/io/text/base64.hpp"
 #include "firmware/io/text/json_cursor.hpp"
+#include "firmware/io/wall_clock.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/page/clients/access.hpp"
 #include "firmware/page/octoprint.hpp"
@@ -33,19 +34,6 @@ using Kind = PrinterQuestion::Kind;
 constexpr std::string_view kTooManyRequests =
     R"({"ok": false, "error": "too many requests come from this device", "advice": "Wait a moment, then try again", )"
     R"("told": {"code": "requests_too_many", "values": {}}})";
-
-/// ISO 8601 in UTC. A clock that was never set is before this program: its times say nothing.
-FixedText<24> time_text(std::int64_t seconds) {
-  constexpr std::int64_t kThisProgram = 1'700'000'000;
-  FixedText<24> text;
-  const auto time = static_cast<std::time_t>(seconds);
-  std::tm parts{};
-  if (seconds < kThisProgram || ::gmtime_r(&time, &parts) == nullptr) return text;
-  std::array<char, 24> room{};
-  static_cast<void>(std::strftime(room.data(), room.size(), "%Y-%m-%dT%H:%M:%SZ", &parts));
-  text.add("%s", room.data());
-  return text;
-}
 
 /// Commands that a browser may give: those that a state may list, and what somebody says of the tank.
 bool is_command(Command command) {
@@ -182,16 +170,14 @@ HttpAnswer PageServer::browsers(const HttpRequest& request) {
   const auto own = browsers_.find(request.token);
   if (!own) return not_paired();
   return text_.object([&](JsonWriter& json) {
-    json.key("browsers");
-    json.begin_array(JsonWriter::Layout::kOneLine);
+    json.begin_array("browsers", kOneLine);
     for (const PairedBrowsers::Browser& one : browsers_.list()) {
       if (one.number == 0) continue;
-      const auto paired_at = time_text(one.paired_at), seen_at = time_text(one.seen_at);
-      json.begin_object(JsonWriter::Layout::kOneLine);
+      json.begin_object(kOneLine);
       json.member("number", one.number);
       json.member("name", std::string_view(one.name));
-      json.member("paired_at", paired_at.view().empty() ? std::nullopt : std::optional(paired_at.view()));
-      json.member("seen_at", seen_at.view().empty() ? std::nullopt : std::optional(seen_at.view()));
+      json.member("paired_at", utc_text(known_time(one.paired_at)));
+      json.member("seen_at", utc_text(known_time(one.seen_at)));
       json.member("this", one.number == *own);
       json.end_object();
     }

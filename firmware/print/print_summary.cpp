@@ -1,9 +1,11 @@
 #include "firmware/print/print_summary.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "firmware/io/random_id.hpp"
+#include "firmware/io/text/json_fields.hpp"
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/core/words/plural.hpp"
@@ -14,15 +16,10 @@ namespace {
 double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 double milliseconds(nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
-const char* word_of(ExposureEnd end) {
-  switch (end) {
-    case ExposureEnd::kTimeUp: return "time up";
-    case ExposureEnd::kStopped: return "stopped";
-    case ExposureEnd::kCoverOpened: return "cover opened";
-  }
-  return "unknown";
-}
+/// By ExposureEnd.
+constexpr std::array<std::string_view, 3> kEndWords = {"time up", "stopped", "cover opened"};
 
+using Layout = JsonWriter::Layout;
 using Text = FixedText<4096>;
 
 void add_fault(Text& text, const PrintReport& report) {
@@ -118,40 +115,38 @@ Status write_objections(OutputFile& out, std::span<const std::string> objections
   return {};
 }
 
-void write_part(JsonWriter& json, const PartFigures& part) {
-  json.begin_object();
-  json.member("lost_ml", thousandths(part.lost_ml()));
-  json.member("trapped_ml", thousandths(part.trapped_ml));
-  json.member("traps", part.traps);
-  json.member("bleed_ml", thousandths(part.bleed_ml));
-  json.member("largest_peel_n", thousandths(part.largest_peel_n));
-  json.member("largest_suction_cm2", thousandths(part.suction_cm2));
-  json.key("lost");
-  json.begin_array();
-  for (const LostPiece& piece : part.lost) {
-    json.begin_object(kOneLine);
-    json.member("kind", piece.kind);
-    json.member("layer", piece.layer);
-    json.member("last_layer", piece.last_layer);
-    json.member("x_mm", thousandths(piece.x_mm));
-    json.member("y_mm", thousandths(piece.y_mm));
-    json.member("ml", piece.ml);
-    json.end_object();
-  }
-  json.end_array();
-  json.end_object();
+/// JsonField::write of a time, in milliseconds.
+template <auto of, class T>
+void in_ms(JsonWriter& json, const T& from) {
+  json.value(thousandths(milliseconds(from.*of)));
 }
+
+constexpr JsonField<LostPiece> kLostFields[] = {
+    {"kind", member<&LostPiece::kind>},
+    {"layer", member<&LostPiece::layer>},
+    {"last_layer", member<&LostPiece::last_layer>},
+    {"x_mm", rounded<&LostPiece::x_mm>},
+    {"y_mm", rounded<&LostPiece::y_mm>},
+    {"ml", member<&LostPiece::ml>},
+};
+
+constexpr JsonField<PartFigures> kPartFields[] = {
+    {"lost_ml", rounded<&PartFigures::lost_ml>},
+    {"trapped_ml", rounded<&PartFigures::trapped_ml>},
+    {"traps", member<&PartFigures::traps>},
+    {"bleed_ml", rounded<&PartFigures::bleed_ml>},
+    {"largest_peel_n", rounded<&PartFigures::largest_peel_n>},
+    {"largest_suction_cm2", rounded<&PartFigures::suction_cm2>},
+    {"lost", [](auto& json, auto& part) { write_objects(json, kLostFields, part.lost, Layout::kLines); }},
+};
 
 void write_fault(JsonWriter& json, const PrintReport& report) {
   if (report.fault == FaultCode::kNone) return json.null();
-  const FaultText text = explain(report.fault, report.fault_message.view());
-  FixedText<16> code;
-  code.add("PL-%u", static_cast<unsigned>(report.fault));
   json.begin_object();
-  json.member("code", code.view());
+  json.member("code", report.fault);
   json.member("title", info(report.fault).title);
-  json.member("message", report.fault_message.view());
-  json.member("next", text.advice.view());
+  json.member("message", report.fault_message);
+  json.member("next", explain(report.fault, {}).advice);
   json.end_object();
 }
 
@@ -159,53 +154,41 @@ void write_checks(JsonWriter& json, const PrintReport& report) {
   json.begin_array();
   for (std::size_t i = 0; i < kCheckCount; ++i) {
     json.begin_object(kOneLine);
-    json.member("check", to_string(static_cast<Check>(i)));
-    json.member("outcome", to_string(report.checks[i].outcome));
-    json.member("detail", report.checks[i].detail.view());
+    json.member("check", static_cast<Check>(i));
+    json.member("outcome", report.checks[i].outcome);
+    json.member("detail", report.checks[i].detail);
     json.end_object();
   }
   json.end_array();
 }
 
-void write_masks(JsonWriter& json, const MaskFigures& masks) {
-  json.begin_object();
-  json.member("smallest_slack_s", seconds(masks.smallest_slack));
-  json.member("smallest_slack_layer", masks.smallest_slack_layer);
-  json.member("median_ms", thousandths(milliseconds(masks.median_making)));
-  json.member("worst_ms", thousandths(milliseconds(masks.worst_making)));
-  json.member("copy_ms", thousandths(milliseconds(masks.median_copying)));
-  json.member("ratio_to_copy", thousandths(masks.ratio()));
-  json.end_object();
-}
+constexpr JsonField<MaskFigures> kMaskFields[] = {
+    {"smallest_slack_s", member<&MaskFigures::smallest_slack>},
+    {"smallest_slack_layer", member<&MaskFigures::smallest_slack_layer>},
+    {"median_ms", in_ms<&MaskFigures::median_making>},
+    {"worst_ms", in_ms<&MaskFigures::worst_making>},
+    {"copy_ms", in_ms<&MaskFigures::median_copying>},
+    {"ratio_to_copy", rounded<&MaskFigures::ratio>},
+};
 
-void write_steps(JsonWriter& json, const std::optional<StepFigures>& steps) {
-  if (!steps) return json.null();
-  json.begin_object();
-  json.member("steps", steps->steps);
-  json.member("late_steps", steps->late);
-  json.member("worst_lateness_ms", milliseconds(steps->worst_lateness));
-  json.member("standstills", steps->standstills);
-  json.member("real_time_priority", steps->real_time);
-  json.member("locked_memory", steps->memory_locked);
-  json.end_object();
-}
+constexpr JsonField<StepFigures> kStepFields[] = {
+    {"steps", member<&StepFigures::steps>},
+    {"late_steps", member<&StepFigures::late>},
+    {"worst_lateness_ms", [](auto& json, auto& steps) { json.value(milliseconds(steps.worst_lateness)); }},
+    {"standstills", member<&StepFigures::standstills>},
+    {"real_time_priority", member<&StepFigures::real_time>},
+    {"locked_memory", member<&StepFigures::memory_locked>},
+};
 
-void write_exposures(JsonWriter& json, const PrintReport& report) {
-  json.begin_array();
-  for (const auto& line : report.exposures) {
-    json.begin_object(kOneLine);
-    json.member("layer", line.layer);
-    json.member("asked_s", seconds(line.asked));
-    json.member("lit_s", seconds(line.lit));
-    json.member("dose_mj_cm2", thousandths(line.dose.value()));
-    json.member("expected_mj_cm2", thousandths(line.expected.value()));
-    json.member("end", word_of(line.end));
-    json.key("mask_hash");
-    json.hex(line.mask_hash);
-    json.end_object();
-  }
-  json.end_array();
-}
+constexpr JsonField<ExposureLine> kExposureFields[] = {
+    {"layer", member<&ExposureLine::layer>},
+    {"asked_s", member<&ExposureLine::asked>},
+    {"lit_s", member<&ExposureLine::lit>},
+    {"dose_mj_cm2", [](auto& json, auto& line) { json.value(thousandths(line.dose.value())); }},
+    {"expected_mj_cm2", [](auto& json, auto& line) { json.value(thousandths(line.expected.value())); }},
+    {"end", [](auto& json, auto& line) { json.value(kEndWords[static_cast<std::size_t>(line.end)]); }},
+    {"mask_hash", [](auto& json, auto& line) { json.hex(line.mask_hash); }},
+};
 
 }  // namespace
 
@@ -243,19 +226,19 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::st
 
 void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   const PrintReport& report = outcome.report;
-  const JobFacts& facts = outcome.session.facts();
+  const PrintSession& session = outcome.session;
+  const JobFacts& facts = session.facts();
   json.begin_object();
-  json.member("id", id_text(facts.print_id).view());
+  json.member("id", id_text(facts.print_id));
   json.member("scan", view(facts.scan));
-  if (const auto files = outcome.session.scan_files(); files.size() > 1) {
-    json.key("files");
-    json.begin_array(kOneLine);
+  if (const auto files = session.scan_files(); files.size() > 1) {
+    json.begin_array("files", kOneLine);
     for (const auto& file : files) json.value(view(file));
     json.end_array();
   }
   json.member("printer", view(facts.printer));
   json.member("profile", view(facts.profile));
-  json.member("state", to_string(report.state));
+  json.member("state", report.state);
   json.key("fault");
   write_fault(json, report);
   json.key("checks");
@@ -264,50 +247,39 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("first_layer", report.first_layer);
   json.member("next_layer", report.next_layer);
   json.member("layer_height_mm", facts.contract.plan.layer_height.millimetres());
-  json.key("contract");
-  json.begin_object();
+  json.begin_object("contract");
   write_contract(json, facts.contract);
   json.end_object();
-  json.member("supports", std::uint64_t{outcome.session.supports().tips()});
-  if (const auto& findings = outcome.session.findings()) {
-    write_issues(json, *findings, outcome.session.grid(), outcome.profile.checks);
-  } else {
-    json.key("issues");
-    json.null();
-  }
+  json.member("supports", session.supports().tips());
+  write_issues(json, session.findings(), session.grid(), outcome.profile.checks);
   json.member("resin_ml", thousandths(report.resin_ml));
-  json.member("resin_needed_ml", thousandths(outcome.session.needed_ml()));
+  json.member("resin_needed_ml", thousandths(session.needed_ml()));
   json.member("cost", thousandths(resin_cost(outcome.profile, report.resin_ml)));
-  json.member("elapsed_s", seconds(report.elapsed));
-  json.member("estimated_s", seconds(report.estimated));
+  json.member("elapsed_s", report.elapsed);
+  json.member("estimated_s", report.estimated);
   json.member("slowest_layer", report.slowest_layer);
-  json.member("slowest_layer_s", seconds(report.slowest));
+  json.member("slowest_layer_s", report.slowest);
   json.member("pauses", report.pauses);
   json.member("late_masks", report.late_masks);
   json.key("masks");
-  write_masks(json, outcome.session.mask_figures());
+  write_object(json, kMaskFields, session.mask_figures(), Layout::kLines);
   json.key("stage");
-  write_steps(json, outcome.steps);
-  json.key("warnings");
-  json.begin_array();
+  write_object(json, kStepFields, outcome.steps, Layout::kLines);
+  json.begin_array("warnings");
   for_each_warning(report, [&json](const Told&, std::string_view warning) { json.value(warning); });
   json.end_array();
   json.key("objections");
   if (outcome.part) {
     json.begin_array();
-    for (const auto& objection : outcome.objections) json.value(std::string_view(objection));
+    for (const auto& objection : outcome.objections) json.value(objection);
     json.end_array();
   } else {
     json.null();
   }
   json.key("part");
-  if (outcome.part) {
-    write_part(json, *outcome.part);
-  } else {
-    json.null();
-  }
+  write_object(json, kPartFields, outcome.part, Layout::kLines);
   json.key("exposures");
-  write_exposures(json, report);
+  write_objects(json, kExposureFields, report.exposures, Layout::kLines);
   json.end_object();
 }
 

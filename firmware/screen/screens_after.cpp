@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <ctime>
 
 #include "firmware/io/wall_clock.hpp"
 #include "firmware/messages/catalogue.hpp"
@@ -35,11 +34,7 @@ Words result_of(const KeptPrint& print) {
 /// The day on which a print ended, UTC; empty: the clock was not set.
 ShortText day_of(const KeptPrint& print) {
   ShortText text;
-  if (known_time(print.ended_at) == 0) return text;
-  const auto ended = static_cast<std::time_t>(print.ended_at);
-  std::tm day{};
-  ::gmtime_r(&ended, &day);
-  text.add("%04d-%02d-%02d", std::clamp(day.tm_year + 1900, 0, 9999), day.tm_mon + 1, day.tm_mday);
+  if (const auto ended = utc_text(known_time(print.ended_at))) text.add("%.10s", ended->c_str());
   return text;
 }
 

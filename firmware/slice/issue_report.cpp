@@ -75,8 +75,7 @@ void write_issue(JsonWriter& json, const Issue& issue, const IssueScale& scale) 
   json.member("last_layer", issue.last_layer);
   json.member("column", issue.column);
   json.member("row", issue.row);
-  json.key("place_mm");
-  json.row(std::array{scale.x_mm(issue), scale.y_mm(issue), scale.z_mm(issue.layer)});
+  json.member("place_mm", std::array{scale.x_mm(issue), scale.y_mm(issue), scale.z_mm(issue.layer)});
   json.member("pixels", issue.pixels);
   json.member("area_mm2", scale.mm2(issue.pixels));
   if (words_of(issue.kind).size == IssueSize::kVolume) json.member("volume_ml", scale.ml(issue.voxels));
@@ -84,6 +83,14 @@ void write_issue(JsonWriter& json, const Issue& issue, const IssueScale& scale) 
     json.member("asked_n", static_cast<double>(issue.asked_n));
     json.member("held_n", static_cast<double>(issue.held_n));
   }
+  json.end_object();
+}
+
+/// The largest layer, or the one with the largest growth.
+void write_largest(JsonWriter& json, std::string_view name, std::uint32_t layer, double area_mm2) {
+  json.begin_object(name, kOneLine);
+  json.member("layer", layer);
+  json.member("area_mm2", area_mm2);
   json.end_object();
 }
 
@@ -214,49 +221,40 @@ Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPo
   const int capital = std::toupper(static_cast<unsigned char>(advice[0]));
   const Told told = told_issue(*first, findings, grid);
   if (action == CheckAction::kAsk) {
-    return telling(told, fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it%s", found.c_str(), capital,
-                              static_cast<int>(advice.size()) - 1, advice.data() + 1,
-                              at_terminal ? " with --accept" : ""));
+    return telling(told,
+                   fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it%s", found.c_str(), capital,
+                        static_cast<int>(advice.size()) - 1, advice.data() + 1, at_terminal ? " with --accept" : ""));
   }
   return telling(told, fail(ErrorCode::kBadSetting, "%s, which the profile refuses.\t%c%.*s, or set %.*s in [checks]",
                             found.c_str(), capital, static_cast<int>(advice.size()) - 1, advice.data() + 1,
                             static_cast<int>(key.size()), key.data()));
 }
 
-void write_issues(JsonWriter& json, const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy) {
+void write_issues(JsonWriter& json, const std::optional<StackFindings>& findings, const PrintGrid& grid,
+                  const CheckPolicy& policy) {
   const IssueScale scale(grid);
   json.key("issues");
+  if (!findings) return json.null();
   json.begin_object();
-  json.member("layers", findings.layers);
-  json.member("unchecked_layers", findings.unchecked_layers);
-  json.member("first_layer_mm2", scale.mm2(findings.first_layer_pixels));
-  json.key("largest_layer");
-  json.begin_object(kOneLine);
-  json.member("layer", findings.peel_layer);
-  json.member("area_mm2", scale.mm2(findings.peel_pixels));
-  json.end_object();
-  json.key("largest_jump");
-  json.begin_object(kOneLine);
-  json.member("layer", findings.jump_layer);
-  json.member("area_mm2", scale.mm2(findings.jump_pixels));
-  json.end_object();
-  json.member("falls_share", findings.fallen_share());
-  json.member("falls_ml", scale.ml(findings.of(IssueKind::kFreePiece).voxels));
-  json.member("torn_ml", scale.ml(findings.of(IssueKind::kTear).voxels));
-  json.member("shadowed_ml", scale.ml(findings.shadowed_voxels));
-  json.key("kinds");
-  json.begin_object();
+  json.member("layers", findings->layers);
+  json.member("unchecked_layers", findings->unchecked_layers);
+  json.member("first_layer_mm2", scale.mm2(findings->first_layer_pixels));
+  write_largest(json, "largest_layer", findings->peel_layer, scale.mm2(findings->peel_pixels));
+  write_largest(json, "largest_jump", findings->jump_layer, scale.mm2(findings->jump_pixels));
+  json.member("falls_share", findings->fallen_share());
+  json.member("falls_ml", scale.ml(findings->of(IssueKind::kFreePiece).voxels));
+  json.member("torn_ml", scale.ml(findings->of(IssueKind::kTear).voxels));
+  json.member("shadowed_ml", scale.ml(findings->shadowed_voxels));
+  json.begin_object("kinds");
   for (std::size_t i = 0; i < kIssueKindCount; ++i) {
     const auto kind = static_cast<IssueKind>(i);
-    const IssueGroup& group = findings.groups[i];
+    const IssueGroup& group = findings->groups[i];
     if (group.count == 0) continue;
-    json.key(words_of(kind).key);
-    json.begin_object();
+    json.begin_object(words_of(kind).key);
     json.member("count", group.count);
     json.member("minor", group.minor);
     json.member("action", kCheckActionWords[static_cast<std::size_t>(policy.of(kind))]);
-    json.key("largest");
-    json.begin_array();
+    json.begin_array("largest");
     for (const Issue& issue : group.all_kept()) write_issue(json, issue, scale);
     json.end_array();
     json.end_object();

@@ -1,6 +1,7 @@
 #pragma once
 /// The findings of the checks in words and as JSON, and what follows from them.
 
+#include <optional>
 #include <string_view>
 
 #include "firmware/io/text/fixed_text.hpp"
@@ -45,7 +46,8 @@ CheckAction verdict(const StackFindings& findings, const CheckPolicy& policy);
 [[nodiscard]] Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy,
                            bool at_terminal = true);
 
-/// Writes the findings as the member "issues"; firmware/README.md explains it.
-void write_issues(JsonWriter& json, const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy);
+/// Writes the findings as the member "issues"; null if there are none. firmware/README.md explains it.
+void write_issues(JsonWriter& json, const std::optional<StackFindings>& findings, const PrintGrid& grid,
+                  const CheckPolicy& policy);
 
 }  // namespace plumbline

@@ -13,89 +13,54 @@
 namespace plumbline {
 namespace {
 
-/// "winding number" as a key: "winding_number".
-FixedText<32> as_key(std::string_view name) {
-  FixedText<32> key;
-  for (const char c : name) key.add("%c", c == ' ' || c == '-' ? '_' : c);
-  return key;
-}
-
 void write_scan(JsonWriter& json, const JobReport& report) {
   const ScanSummary& scan = report.slice.scan;
-  json.key("scan");
-  json.begin_object();
-  json.member("name", std::string_view(report.scan_name));
-  json.member("format", to_string(scan.header.format));
-  json.member("encoding", scan.header.encoding);
-  json.member("bytes", scan.bytes);
-  json.member("points", scan.points);
-  json.member("points_not_finite", scan.not_finite);
-  json.member("points_left_out", scan.left_out);
+  json.begin_object("scan");
+  json.member("name", report.scan_name);
+  write_fields(json, kScanFields, scan);
   json.member("has_normals", scan.header.has_normals);
   json.member("points_without_normal", scan.header.has_normals ? scan.without_normal : scan.points);
-  if (report.scan_names.size() > 1) write_files(json, report.scan_names, report.slice.scans);
+  write_files(json, report.scan_names, report.slice.scans);
   json.end_object();
 }
 
 void write_grid(JsonWriter& json, const SliceReport& slice) {
   const Placement& placement = slice.placement;
-  const PrintGrid& grid = placement.grid;
-  json.key("grid");
-  json.begin_object();
-  json.member("columns", grid.columns);
-  json.member("rows", grid.rows);
-  json.member("layers", grid.layers);
-  json.key("pixel_pitch_mm");
-  json.row(std::array{grid.pitch_x_mm, grid.pitch_y_mm});
-  json.member("layer_height_mm", grid.layer_height_mm);
-  json.key("origin_mm");
-  json.row(Vec3d(millimetres_per(slice.units) * placement.origin_in_scan()));
+  json.begin_object("grid");
+  write_fields(json, kGridFields, placement.grid);
+  json.member("origin_mm", Vec3d(millimetres_per(slice.units) * placement.origin_in_scan()));
   json.end_object();
-  json.key("transform");
-  json.begin_array();
+  json.begin_array("transform");
   const Mat4d transform = placement.transform();
   for (int row = 0; row < 4; ++row) {
-    json.row(std::array{transform(row, 0), transform(row, 1), transform(row, 2), transform(row, 3)});
+    json.value(std::array{transform(row, 0), transform(row, 1), transform(row, 2), transform(row, 3)});
   }
   json.end_array();
-  json.key("size_mm");
-  json.row(placement.size_mm);
-  json.key("size_delivered_mm");
-  json.row(slice.printed_mm);
+  json.member("size_mm", placement.size_mm);
+  json.member("size_delivered_mm", slice.printed_mm);
 }
 
 void write_points(JsonWriter& json, const SliceReport& slice) {
-  json.key("thinning");
-  json.begin_object(kOneLine);
+  json.begin_object("thinning", kOneLine);
   json.member("cell_mm", slice.lengths.thinning_cell.value);
   json.member("averaged_points", slice.averaged_points);
   json.member("points_left", slice.cloud_points);
   json.member("room_for_points", slice.cloud_capacity);
   json.end_object();
-  json.key("averaging");
-  json.begin_object(kOneLine);
+  json.begin_object("averaging", kOneLine);
   json.member("times", slice.averagings);
   json.member("noise_mm", slice.lengths.averaged_noise.value);
   json.end_object();
-  json.member("normals_estimated", slice.normals.estimated);
-  json.member("normals_turned", slice.normals.turned);
-  json.member("normals_inside_out", slice.normals.inside_out);
-  json.member("normals_contradictory", slice.normals.contradictory);
-  json.key("views");
-  json.begin_object(kOneLine);
+  write_fields(json, kNormalFields, slice.normals);
+  json.begin_object("views", kOneLine);
   json.member("stated", slice.stated_views.count);
   json.member("scanners_known", slice.stated_views.scanners);
   json.member("moved_mm", slice.lengths.views_moved.value);
   json.member("off_surface_before_mm", slice.lengths.views_before.value);
   json.member("off_surface_after_mm", slice.lengths.views_after.value);
   json.end_object();
-  json.key("points");
-  json.begin_object(kOneLine);
-  const auto& points = slice.clustering.points;
-  json.member("entering", points[PointClass::kEntering]);
-  json.member("exiting", points[PointClass::kExiting]);
-  json.member("neutral", points[PointClass::kNeutral]);
-  json.member("noise", points[PointClass::kNoise]);
+  json.begin_object("points", kOneLine);
+  write_by<PointClass>(json, slice.clustering.points.counts);
   json.end_object();
   json.member("core_points", slice.clustering.core_points);
   json.member("epsilon_mm", slice.lengths.epsilon.value);
@@ -104,20 +69,16 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
 }
 
 void write_rays(JsonWriter& json, const SliceReport& slice) {
-  json.key("rays");
-  json.begin_object();
+  json.begin_object("rays");
   json.member("interested", slice.rays.interested());
-  for (std::size_t i = 0; i < kRayDecisionCount; ++i) {
-    json.member(as_key(to_string(static_cast<RayDecision>(i))).view(), slice.rays.decided[i]);
-  }
+  write_by<RayDecision>(json, slice.rays.decided);
   json.member("guided", slice.rays.guided);
   json.member("interpolated", slice.rays.interpolated);
   json.member("thinned_tiles", slice.rays.thinned_tiles);
   json.end_object();
   json.member("crossings", slice.crossings);
   const ComponentCounts& components = slice.components;
-  json.key("components");
-  json.begin_object(kOneLine);
+  json.begin_object("components", kOneLine);
   json.member("counted", components.counted);
   json.member("solids", components.solids);
   json.member("cavities", components.cavities);
@@ -127,11 +88,9 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.member("sealed_cavities_filled", components.sealed_cavities);
   json.member("voxels_changed", components.changed_voxels);
   json.end_object();
-  write_strays(json, slice.strays);
   write_position(json, slice);
   const FeatureCounts& features = slice.features;
-  json.key("small_features");
-  json.begin_object(kOneLine);
+  json.begin_object("small_features", kOneLine);
   json.member("counted", features.counted);
   json.member("islands_removed", features.islands);
   json.member("holes_filled", features.holes);
@@ -139,31 +98,21 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.end_object();
 }
 
-template <class Values>
-void write_by_evidence(JsonWriter& json, std::string_view name, const Values& values) {
-  json.key(name);
-  json.begin_object(kOneLine);
-  for (std::size_t e = 0; e < kEvidenceCount; ++e) {
-    json.member(as_key(to_string(static_cast<Evidence>(e))).view(), values[e]);
-  }
-  json.end_object();
-}
-
 /// @param layers  empty: the manifest is written without them
 void write_evidence(JsonWriter& json, const std::optional<ConfidenceShares>& shares,
                     std::span<const ConfidenceMap::Counts> layers) {
   json.key("evidence");
-  if (!shares) {
-    json.null();
-    return;
-  }
+  if (!shares) return json.null();
   json.begin_object();
-  write_by_evidence(json, "surface", shares->surface);
-  write_by_evidence(json, "crossings", shares->crossings);
+  json.begin_object("surface", kOneLine);
+  write_by<Evidence>(json, shares->surface);
+  json.end_object();
+  json.begin_object("crossings", kOneLine);
+  write_by<Evidence>(json, shares->crossings);
+  json.end_object();
   if (!layers.empty()) {
-    json.key("layers");
-    json.begin_array();
-    for (const ConfidenceMap::Counts& layer : layers) json.row(layer);
+    json.begin_array("layers");
+    for (const ConfidenceMap::Counts& layer : layers) json.value(layer);
     json.end_array();
   }
   json.end_object();
@@ -171,10 +120,7 @@ void write_evidence(JsonWriter& json, const std::optional<ConfidenceShares>& sha
 
 void write_supports(JsonWriter& json, const JobReport& report) {
   json.key("supports");
-  if (!report.support_settings) {
-    json.null();
-    return;
-  }
+  if (!report.support_settings) return json.null();
   const SupportCounts& s = report.supports;
   json.begin_object();
   json.member("count", s.all());
@@ -198,16 +144,14 @@ void write_supports(JsonWriter& json, const JobReport& report) {
   json.member("lifted_layers", s.lifted);
   json.member("sunk_layers", s.sunk);
   json.member("volume_mm3", report.support_volume_mm3());
-  json.key("settings");
-  json.begin_object();
+  json.begin_object("settings");
   for (const SupportField& field : kSupportFields) json.member(field.key, (*report.support_settings).*field.member);
   json.end_object();
   json.end_object();
 }
 
 void write_stages(JsonWriter& json, const JobReport& report) {
-  json.key("stages");
-  json.begin_array();
+  json.begin_array("stages");
   const auto write_stage = [&](std::string_view name, double seconds, std::uint64_t planned, std::uint64_t peak) {
     json.begin_object(kOneLine);
     json.member("name", name);
@@ -224,8 +168,7 @@ void write_stages(JsonWriter& json, const JobReport& report) {
     write_stage("preview", report.preview_seconds, 0, report.preview_peak_bytes);
   json.end_array();
   json.member("seconds", report.total_seconds);
-  json.key("arena");
-  json.begin_object(kOneLine);
+  json.begin_object("arena", kOneLine);
   json.member("bytes", report.arena_bytes);
   json.member("peak_bytes", report.peak_bytes());
   json.end_object();
@@ -233,14 +176,12 @@ void write_stages(JsonWriter& json, const JobReport& report) {
 }
 
 void write_hashes(JsonWriter& json, const JobReport& report, std::span<const std::uint64_t> layer_hashes) {
-  json.key("hashes");
-  json.begin_object();
+  json.begin_object("hashes");
   json.member("definition", kMaskHashDefinition);
   json.key("job");
   json.hex(report.hash);
   if (!layer_hashes.empty()) {
-    json.key("layers");
-    json.begin_array();
+    json.begin_array("layers");
     for (const std::uint64_t hash : layer_hashes) json.hex(hash);
     json.end_array();
   }
@@ -274,52 +215,37 @@ void write_mesh(JsonWriter& json, const std::optional<MeshCounts>& mesh) {
 }
 
 void write_position(JsonWriter& json, const PreparationReport& found) {
-  json.key("floor");
-  json.begin_object(kOneLine);
+  json.begin_object("stray_pieces", kOneLine);
+  json.member("pieces", found.strays.pieces);
+  json.member("points", found.strays.points);
+  json.member("share", found.strays.share);
+  json.end_object();
+  json.begin_object("floor", kOneLine);
   json.member("points", found.floor.points);
   json.member("height_scan_units", found.floor.height);
   json.member("tilt", found.floor.tilt);
-  json.key("size_scan_units");
-  json.row(found.floor.size);
+  json.member("size_scan_units", found.floor.size);
   json.end_object();
   json.member("outliers", found.outliers);
   json.member("evened_points", found.evened_points);
   json.member("flying_points", found.flying_points);
-  json.key("orientation");
-  json.begin_object(kOneLine);
-  const auto degrees = [&](const char* key, const std::optional<Orientation>& orientation) {
-    json.key(key);
-    if (!orientation) return json.null();
-    json.begin_array(kOneLine);
-    for (const double angle : orientation->degrees) json.value(angle);
-    json.end_array();
+  const auto degrees = [](const std::optional<Orientation>& way) {
+    return way ? std::optional(way->degrees) : std::nullopt;
   };
-  degrees("turned_deg", found.turned);
-  degrees("upright_deg", found.upright);
-  json.end_object();
-}
-
-void write_strays(JsonWriter& json, const StrayPieces& strays) {
-  json.key("stray_pieces");
-  json.begin_object(kOneLine);
-  json.member("pieces", strays.pieces);
-  json.member("points", strays.points);
-  json.member("share", strays.share);
+  json.begin_object("orientation", kOneLine);
+  json.member("turned_deg", degrees(found.turned));
+  json.member("upright_deg", degrees(found.upright));
   json.end_object();
 }
 
 void write_files(JsonWriter& json, std::span<const std::string> names, const ScanSummaries& scans) {
-  json.key("files");
-  json.begin_array();
+  if (names.size() < 2) return;
+  json.begin_array("files");
   for (std::size_t i = 0; i < std::min(names.size(), scans.count); ++i) {
-    const ScanSummary& scan = scans.each[i];
     json.begin_object(kOneLine);
-    json.member("name", std::string_view(names[i]));
-    json.member("format", to_string(scan.header.format));
-    json.member("encoding", scan.header.encoding);
-    json.member("bytes", scan.bytes);
-    json.member("points", scan.points);
-    json.member("has_normals", scan.header.has_normals);
+    json.member("name", names[i]);
+    write_fields(json, std::span(kScanFields).first(4), scans.each[i]);
+    json.member("has_normals", scans.each[i].header.has_normals);
     json.end_object();
   }
   json.end_array();
@@ -329,29 +255,22 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   const SliceReport& slice = report.slice;
   json.begin_object();
   // JobDirectory recognises a manifest of plumbline by this first key.
-  json.key("plumbline");
-  json.begin_object(kOneLine);
+  json.begin_object("plumbline", kOneLine);
   json.member("version", kVersion);
   json.member("manifest_format", kManifestFormat);
   json.end_object();
   write_scan(json, report);
   write_mesh(json, slice.mesh);
-  json.key("printer");
-  if (report.printer_name.empty()) {
-    json.null();
-  } else {
-    json.value(std::string_view(report.printer_name));
-  }
-  json.key("units");
-  json.begin_object(kOneLine);
-  json.member("used", to_string(slice.units));
+  const std::string_view printer = report.printer_name;
+  json.member("printer", printer.empty() ? std::nullopt : std::optional(printer));
+  json.begin_object("units", kOneLine);
+  json.member("used", slice.units);
   json.member("guessed", slice.units_guessed);
   json.end_object();
   json.member("scale_mm_per_unit", slice.placement.scale);
   write_grid(json, slice);
-  json.key("underside");
-  json.begin_object(kOneLine);
-  json.member("base", to_string(report.base));
+  json.begin_object("underside", kOneLine);
+  json.member("base", report.base);
   json.member("on_base_plane", slice.flat_underside);
   json.end_object();
   write_points(json, slice);
@@ -361,16 +280,10 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   write_proof(json, slice.proof);
   json.member("volume_mm3", report.volume_mm3());
   write_supports(json, report);
-  if (report.findings) {
-    write_issues(json, *report.findings, slice.placement.grid, report.checks);
-  } else {
-    json.key("issues");
-    json.null();
-  }
+  write_issues(json, report.findings, slice.placement.grid, report.checks);
   write_stages(json, report);
-  json.key("warnings");
-  json.begin_array();
-  for (const auto& line : report.warnings.all()) json.value(line.view());
+  json.begin_array("warnings");
+  for (const auto& line : report.warnings.all()) json.value(line);
   json.end_array();
   write_hashes(json, report, layer_hashes);
   json.end_object();

@@ -39,8 +39,7 @@ FixedText<128> proven_text(const PointProof& proof) {
 }
 
 void write_proof(JsonWriter& json, const PointProof& proof) {
-  json.key("proof");
-  json.begin_object(JsonWriter::Layout::kOneLine);
+  json.begin_object("proof", kOneLine);
   json.member("points", proof.points);
   json.member("within_pixel", proof.within_pixel);
   json.member("within_layer", proof.within_layer);

@@ -14,13 +14,6 @@ constexpr std::size_t kRoomForTheRest = 256;
 constexpr std::size_t kMostCharacters = kLongestLine - kRoomForTheRest;
 static_assert(PictureLine::kMostPng == kMostCharacters / 4 * 3);
 
-struct DrawnPicture {
-  std::span<const std::uint8_t> bytes;
-  std::uint32_t columns = 0, rows = 0;
-  std::uint32_t channels = 0;
-  std::uint32_t number = 0;
-};
-
 template <class Picture>
 std::optional<DrawnPicture> drawn_one(const Picture& picture, std::uint32_t number) {
   if (!picture.there()) return std::nullopt;
@@ -33,7 +26,21 @@ std::optional<DrawnPicture> drawn_scan(const PrinterRecord& record, std::uint32_
   return drawn_one((*record.scan_pictures)[which], record.scans[which].picture);
 }
 
-std::optional<DrawnPicture> drawn_picture(const JobPictures& pictures, PictureName name, std::uint32_t which) {
+/// A scan of the list is of no job.
+void add_job(FixedText<120>& members, std::uint64_t job) {
+  if (job != 0) members.add(", \"job\": \"%s\"", id_text(job).c_str());
+}
+
+Error too_large(std::size_t bytes) {
+  return Error::format(ErrorCode::kCannotWrite, "the picture has %zu bytes, more than a line holds", bytes);
+}
+
+}  // namespace
+
+std::optional<DrawnPicture> drawn_picture(const PrinterRecord& record, PictureName name, std::uint32_t which) {
+  if (name == PictureName::kScan) return drawn_scan(record, which);
+  if (record.pictures == nullptr) return std::nullopt;
+  const JobPictures& pictures = *record.pictures;
   switch (name) {
     case PictureName::kPreview: return drawn_one(pictures.preview, pictures.preview_number);
     case PictureName::kIssues: return drawn_one(pictures.issues, pictures.issues_number);
@@ -45,17 +52,6 @@ std::optional<DrawnPicture> drawn_picture(const JobPictures& pictures, PictureNa
   }
   return drawn_one(pictures.layer(), pictures.layer_number);
 }
-
-/// A scan of the list is of no job.
-void add_job(FixedText<120>& members, std::uint64_t job) {
-  if (job != 0) members.add(", \"job\": \"%s\"", id_text(job).c_str());
-}
-
-Error too_large(std::size_t bytes) {
-  return Error::format(ErrorCode::kCannotWrite, "the picture has %zu bytes, more than a line holds", bytes);
-}
-
-}  // namespace
 
 Expected<PictureLine> PictureLine::create() {
   constexpr std::size_t kMostBytes =
@@ -72,10 +68,7 @@ Expected<PictureLine> PictureLine::create() {
 Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, PictureName name, std::uint32_t which,
                           const PrinterRecord& record) {
   const std::string_view word = kPictureWords[static_cast<std::size_t>(name)];
-  const JobPictures* const pictures = record.pictures;
-  const auto drawn = name == PictureName::kScan ? drawn_scan(record, which)
-                     : pictures != nullptr      ? drawn_picture(*pictures, name, which)
-                                                : std::nullopt;
+  const auto drawn = drawn_picture(record, name, which);
   if (!drawn) {
     return fail(ErrorCode::kBadSetting,
                 "there is no picture '%.*s' now.\tThe state's \"pictures\" says which there are",

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "firmware/pictures/png.hpp"
@@ -11,6 +12,18 @@
 #include "firmware/state/state_line.hpp"
 
 namespace plumbline {
+
+/// A picture as it was drawn last.
+struct DrawnPicture {
+  std::span<const std::uint8_t> bytes;
+  std::uint32_t columns = 0, rows = 0;
+  std::uint32_t channels = 0;
+  std::uint32_t number = 0;  ///< rises with each new one
+};
+
+/// @param which  of the sides, the proposals or the scans, from 0; 0 for other pictures
+/// @returns none: there is no such picture now
+std::optional<DrawnPicture> drawn_picture(const PrinterRecord& record, PictureName name, std::uint32_t which);
 
 /// Writes pictures into replies: PNG in base64 (RFC 4648). Each picture is encoded once, however many clients ask for it; of the
 /// sides, the proposals and the scans the last one.

@@ -1,17 +1,15 @@
 #include "firmware/state/state_line.hpp"
 
-#include <ctime>
-
 #include "firmware/io/random_id.hpp"
-#include "firmware/io/text/json_writer.hpp"
+#include "firmware/io/text/json_fields.hpp"
 #include "firmware/io/version.hpp"
+#include "firmware/io/wall_clock.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/state/command_rules.hpp"
+#include "firmware/state/picture_line.hpp"
 
 namespace plumbline {
 namespace {
-
-double seconds_of(nanoseconds time) { return thousandths(std::chrono::duration<double>(time).count()); }
 
 /// `value`, or none where `there` is false.
 template <class T>
@@ -25,130 +23,107 @@ auto mapped(const std::optional<T>& value, Map map) {
   return value ? std::optional(map(*value)) : std::nullopt;
 }
 
-void text_or_null(JsonWriter& json, std::string_view name, std::string_view text) {
-  json.member(name, only_if(!text.empty(), text));
+/// JsonField::write of a text; null if it is empty.
+template <auto of, class T>
+void text_or_null(JsonWriter& json, const T& from) {
+  const std::string_view text = std::invoke(of, from).view();
+  json.value(only_if(!text.empty(), text));
 }
 
-void id_or_null(JsonWriter& json, std::string_view name, std::uint64_t id) {
-  json.member(name, only_if(id != 0, id_text(id).view()));
+/// JsonField::write of an id; null if it is 0.
+template <auto of, class T>
+void id_or_null(JsonWriter& json, const T& from) {
+  const std::uint64_t id = std::invoke(of, from);
+  json.value(only_if(id != 0, id_text(id)));
 }
 
-/// "2026-11-25T22:10:05Z"; null for 0.
-void write_time(JsonWriter& json, std::string_view name, std::int64_t seconds) {
-  json.key(name);
-  const auto time = static_cast<std::time_t>(seconds);
-  std::tm parts{};
-  if (seconds == 0 || ::gmtime_r(&time, &parts) == nullptr) return json.null();
-  FixedText<64> text;
-  text.add("%04d-%02d-%02dT%02d:%02d:%02dZ", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday, parts.tm_hour,
-           parts.tm_min, parts.tm_sec);
-  json.value(text.view());
+/// JsonField::write of what is told.
+template <auto of, class T>
+void told(JsonWriter& json, const T& from) {
+  write_told(json, std::invoke(of, from));
 }
+
+/// An array of objects, each with its number first.
+/// @param number  of the first one
+template <class T, std::size_t N>
+void write_numbered(JsonWriter& json, const JsonField<T> (&fields)[N], std::span<const T> items, std::uint32_t number) {
+  json.begin_array(kOneLine);
+  for (const T& item : items) {
+    json.begin_object(kOneLine);
+    json.member("number", number++);
+    write_fields(json, fields, item);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+constexpr JsonField<ScanRecord> kListedScanFields[] = {
+    {"name", member<&ScanRecord::name>},
+    {"files", member<&ScanRecord::files>},
+    {"bytes", member<&ScanRecord::bytes>},
+    {"problem", text_or_null<&ScanRecord::problem>},
+    {"told", told<&ScanRecord::told>},
+    {"picture", [](auto& json, auto& scan) { json.value(only_if(scan.picture > 0, scan.picture)); }},
+};
+
+constexpr JsonField<FolderRecord> kFolderFields[] = {{"name", member<&FolderRecord::name>},
+                                                     {"entries", member<&FolderRecord::entries>}};
+
+constexpr JsonField<LeftOutRecord> kLeftOutFields[] = {
+    {"left_out", member<&LeftOutRecord::files>},
+    {"folders_left_out", member<&LeftOutRecord::folders>},
+    {"partitions_left_out", member<&LeftOutRecord::partitions>},
+    {"not_listed", text_or_null<&LeftOutRecord::text>},
+    {"not_listed_told", told<&LeftOutRecord::told>},
+};
 
 void write_stick(JsonWriter& json, const PrinterRecord& record) {
   json.begin_object(kOneLine);
   json.member("present", record.has_stick);
   json.member("job_file", record.has_job_file);
-  text_or_null(json, "folder", record.folder.view());
+  json.key("folder");
+  text_or_null<&PrinterRecord::folder>(json, record);
   json.key("scans");
-  json.begin_array(kOneLine);
-  for (std::size_t i = 0; i < record.scan_count; ++i) {
-    const ScanRecord& scan = record.scans[i];
-    json.begin_object(kOneLine);
-    json.member("number", static_cast<std::uint32_t>(i + 1));
-    json.member("name", scan.name.view());
-    json.member("files", scan.files);
-    json.member("bytes", scan.bytes);
-    text_or_null(json, "problem", scan.problem.view());
-    write_told(json, "told", scan.told);
-    json.member("picture", only_if(scan.picture > 0, scan.picture));
-    json.end_object();
-  }
-  json.end_array();
+  write_numbered(json, kListedScanFields, std::span(record.scans).first(record.scan_count), 1);
   json.key("folders");
-  json.begin_array(kOneLine);
-  for (std::size_t i = 0; i < record.folder_count; ++i) {
-    json.begin_object(kOneLine);
-    json.member("number", static_cast<std::uint32_t>(i + 1));
-    json.member("name", record.folders[i].name.view());
-    json.member("entries", record.folders[i].entries);
-    json.end_object();
-  }
-  json.end_array();
-  const LeftOutRecord& left_out = record.left_out;
-  json.member("left_out", static_cast<std::uint64_t>(left_out.files));
-  json.member("folders_left_out", static_cast<std::uint64_t>(left_out.folders));
-  json.member("partitions_left_out", static_cast<std::uint64_t>(left_out.partitions));
-  text_or_null(json, "not_listed", left_out.text.view());
-  write_told(json, "not_listed_told", left_out.told);
+  write_numbered(json, kFolderFields, std::span(record.folders).first(record.folder_count), 1);
+  write_fields(json, kLeftOutFields, record.left_out);
   json.member("uploaded", record.scans_uploaded);
   json.end_object();
 }
 
-std::string_view word_of(UploadRecord::Stage stage) {
-  switch (stage) {
-    case UploadRecord::Stage::kComing: return "coming";
-    case UploadRecord::Stage::kKept: return "kept";
-    case UploadRecord::Stage::kFailed: return "failed";
-  }
-  return "failed";
-}
+constexpr std::array<std::string_view, 3> kUploadWords = {"coming", "kept", "failed"};  ///< by UploadRecord::Stage
 
-void write_upload(JsonWriter& json, const PrinterRecord& record) {
-  if (!record.upload) return json.null();
-  const UploadRecord& upload = *record.upload;
-  json.begin_object(kOneLine);
-  json.member("number", upload.number);
-  json.member("stage", word_of(upload.stage));
-  json.member("name", upload.name.view());
-  json.member("bytes", upload.bytes);
-  json.member("received", upload.received);
-  text_or_null(json, "problem", upload.problem.view());
-  write_told(json, "told", upload.told);
-  json.end_object();
-}
+constexpr JsonField<UploadRecord> kUploadFields[] = {
+    {"number", member<&UploadRecord::number>},
+    {"stage", [](auto& json, auto& upload) { json.value(kUploadWords[static_cast<std::size_t>(upload.stage)]); }},
+    {"name", member<&UploadRecord::name>},
+    {"bytes", member<&UploadRecord::bytes>},
+    {"received", member<&UploadRecord::received>},
+    {"problem", text_or_null<&UploadRecord::problem>},
+    {"told", told<&UploadRecord::told>},
+};
 
-void write_stored(JsonWriter& json, const PrinterRecord& record) {
-  if (!record.stored) return json.null();
-  json.begin_object(kOneLine);
-  json.member("name", record.stored->name.view());
-  json.member("bytes", record.stored->bytes);
-  json.end_object();
-}
+constexpr JsonField<StoredRecord> kStoredFields[] = {{"name", member<&StoredRecord::name>},
+                                                     {"bytes", member<&StoredRecord::bytes>}};
 
-std::string_view word_of(BaseChoice base) {
-  switch (base) {
-    case BaseChoice::kAuto: return "auto";
-    case BaseChoice::kNone: return "none";
-    case BaseChoice::kFlat: return "flat";
-  }
-  return "auto";
-}
+constexpr JsonField<PrintSize> kSizeFields[] = {{"side", member<&PrintSize::side>}, {"mm", member<&PrintSize::mm>}};
 
 void write_job(JsonWriter& json, const PrinterRecord& record) {
   if (!record.job) return json.null();
   const JobRecord& job = *record.job;
   json.begin_object(kOneLine);
-  id_or_null(json, "id", record.job_id);
-  json.member("scan", job.scan.view());
-  json.key("files");
-  json.begin_array(kOneLine);
-  for (std::size_t i = 0; i < job.file_count; ++i) json.value(job.files[i].view());
-  json.end_array();
+  json.key("id");
+  id_or_null<&PrinterRecord::job_id>(json, record);
+  json.member("scan", job.scan);
+  json.member("files", std::span(job.files).first(job.file_count));
   json.member("number", mapped(job.chosen, [](auto i) { return static_cast<std::uint32_t>(i + 1); }));
-  json.member("profile", job.profile.view());
-  json.member("units", to_string(job.units));
+  json.member("profile", job.profile);
+  json.member("units", job.units);
   json.member("scale", job.scale);
   json.member("fit", job.fit);
   json.key("size");
-  if (job.size) {
-    json.begin_object(kOneLine);
-    json.member("side", to_string(job.size->side));
-    json.member("mm", job.size->mm);
-    json.end_object();
-  } else {
-    json.null();
-  }
+  write_object(json, kSizeFields, job.size);
   json.member("orient", job.orient ? "auto" : "none");
   json.key("floor");
   if (job.floor.kind == FloorChoice::Kind::kHeight) {
@@ -162,113 +137,77 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.member("layer_height", only_if(job.layer_height > 0, job.layer_height));
   json.member("supports", mapped(job.supports, [](bool wanted) { return wanted ? "auto" : "none"; }));
   json.member("proposal", mapped(record.proposal(), [](auto i) { return static_cast<std::uint32_t>(i); }));
-  json.member("as", to_string(job.as));
-  json.member("base", word_of(job.base));
+  json.member("as", job.as);
+  json.member("base", job.base);
   json.member("keep_all", job.keep_all);
-  json.key("values");
-  json.begin_object(kOneLine);
+  json.begin_object("values", kOneLine);
   for (const PrintField& field : kPrintFields) {
     if (const auto value = job.values[index_of(field.key)]) json.member(field.name, *value);
   }
   json.end_object();
-  json.member("result", mapped(record.result, [](PrintState state) { return to_string(state); }));
+  json.member("result", record.result);
   json.end_object();
 }
 
+constexpr JsonField<Proposal> kProposalFields[] = {
+    {"rotate_x_deg", [](auto& json, auto& way) { json.value(way.degrees[0]); }},
+    {"rotate_y_deg", [](auto& json, auto& way) { json.value(way.degrees[1]); }},
+    {"support_mm2", rounded<&Proposal::support_mm2>},
+    {"support_ml", [](auto& json, auto& way) { json.value(thousandths(way.support_mm3 / 1000)); }},
+    {"peel_mm2", rounded<&Proposal::peel_mm2>},
+    {"height_mm", rounded<&Proposal::height_mm>},
+    {"scar_mm2", rounded<&Proposal::scar_mm2>},
+};
+
 void write_proposals(JsonWriter& json, const PrinterRecord& record) {
   if (!record.proposals) return json.null();
-  json.begin_array(kOneLine);
-  for (std::uint32_t number = 0; const Proposal& way : *record.proposals) {
-    json.begin_object(kOneLine);
-    json.member("number", number++);
-    json.member("rotate_x_deg", way.degrees[0]);
-    json.member("rotate_y_deg", way.degrees[1]);
-    json.member("support_mm2", thousandths(way.support_mm2));
-    json.member("support_ml", thousandths(way.support_mm3 / 1000));
-    json.member("peel_mm2", thousandths(way.peel_mm2));
-    json.member("height_mm", thousandths(way.height_mm));
-    json.member("scar_mm2", thousandths(way.scar_mm2));
-    json.end_object();
-  }
-  json.end_array();
-}
-
-void write_profiles(JsonWriter& json, const PrinterRecord& record) {
-  json.begin_array(kOneLine);
-  for (std::size_t i = 0; i < record.profile_count; ++i) json.value(record.profiles[i].view());
-  json.end_array();
+  write_numbered(json, kProposalFields, std::span<const Proposal>(*record.proposals), 0);
 }
 
 void write_sliced(JsonWriter& json, const PrinterRecord& record) {
   if (!record.sliced) return json.null();
-  const Contract& sliced = *record.sliced;
   json.begin_object(kOneLine);
-  json.member("layer_height_mm", thousandths(sliced.plan.layer_height.millimetres()));
-  json.member("layers", sliced.plan.layers);
-  write_contract(json, sliced);
+  json.member("layer_height_mm", thousandths(record.sliced->plan.layer_height.millimetres()));
+  json.member("layers", record.sliced->plan.layers);
+  write_contract(json, *record.sliced);
   json.end_object();
 }
 
 /// The number of a picture, which rises when there is another one; null: there is none.
 void write_pictures(JsonWriter& json, const PrinterRecord& record) {
-  const JobPictures* const pictures = record.pictures;
-  const auto number = [&](std::string_view name, bool there, std::uint32_t value) {
-    json.member(name, only_if(there, value));
-  };
   json.begin_object(kOneLine);
-  number("preview", pictures != nullptr && pictures->preview.there(),
-         pictures != nullptr ? pictures->preview_number : 0);
-  number("issues", pictures != nullptr && pictures->issues.there(), pictures != nullptr ? pictures->issues_number : 0);
-  number("coverage", pictures != nullptr && pictures->coverage.there(),
-         pictures != nullptr ? pictures->coverage_number : 0);
-  number("layer", pictures != nullptr && pictures->layer().there(), pictures != nullptr ? pictures->layer_number : 0);
-  number("side", pictures != nullptr && pictures->sides[0].there(), pictures != nullptr ? pictures->side_number : 0);
-  number("proposal", pictures != nullptr && pictures->proposals[0].there(),
-         pictures != nullptr ? pictures->proposal_number : 0);
-  json.end_object();
-}
-
-void write_slicing(JsonWriter& json, const PrinterRecord& record) {
-  if (!record.slicing) return json.null();
-  json.begin_object(kOneLine);
-  json.member("stage", to_string(record.slicing->stage));
-  json.member("fraction", thousandths(record.slicing->fraction));
-  json.member("proposes", record.slicing->proposes);
-  json.end_object();
-}
-
-void write_progress(JsonWriter& json, const PrinterRecord& record) {
-  if (!record.progress) return json.null();
-  const ProgressRecord& progress = *record.progress;
-  json.begin_object(kOneLine);
-  json.member("layers_done", progress.layers_done);
-  json.member("layers", progress.layers);
-  json.member("height_mm", thousandths(progress.height_mm));
-  json.member("elapsed_s", static_cast<std::uint64_t>(progress.elapsed.count()));
-  json.member("left_s", static_cast<std::uint64_t>(progress.left.count()));
-  write_time(json, "ends_at", progress.ends_at);
-  json.member("slack_s", mapped(progress.slack, seconds_of));
-  json.end_object();
-}
-
-void write_prints(JsonWriter& json, const PrinterRecord& record) {
-  json.begin_array(kOneLine);
-  const auto prints = record.prints != nullptr ? record.prints->list() : std::span<const KeptPrint>();
-  for (const KeptPrint& print : prints) {
-    json.begin_object(kOneLine);
-    json.member("number", print.number);
-    json.member("scan", view(print.scan));
-    json.member("profile", view(print.profile));
-    json.member("result", to_string(static_cast<PrintState>(print.result)));
-    json.member("layers_done", print.layers_done);
-    json.member("layers", print.layers);
-    json.member("resin_ml", thousandths(print.resin_ml));
-    write_time(json, "ended_at", print.ended_at);
-    json.member("preview", print.preview_bytes > 0);
-    json.end_object();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(PictureName::kScan); ++i) {
+    const auto drawn = drawn_picture(record, static_cast<PictureName>(i), 0);
+    json.member(kPictureWords[i], mapped(drawn, [](const DrawnPicture& picture) { return picture.number; }));
   }
-  json.end_array();
+  json.end_object();
 }
+
+constexpr JsonField<SlicingRecord> kSlicingFields[] = {{"stage", member<&SlicingRecord::stage>},
+                                                       {"fraction", rounded<&SlicingRecord::fraction>},
+                                                       {"proposes", member<&SlicingRecord::proposes>}};
+
+constexpr JsonField<ProgressRecord> kProgressFields[] = {
+    {"layers_done", member<&ProgressRecord::layers_done>},
+    {"layers", member<&ProgressRecord::layers>},
+    {"height_mm", rounded<&ProgressRecord::height_mm>},
+    {"elapsed_s", member<&ProgressRecord::elapsed>},
+    {"left_s", member<&ProgressRecord::left>},
+    {"ends_at", [](auto& json, auto& progress) { json.value(utc_text(progress.ends_at)); }},
+    {"slack_s", rounded<&ProgressRecord::slack>},
+};
+
+constexpr JsonField<KeptPrint> kKeptFields[] = {
+    {"number", member<&KeptPrint::number>},
+    {"scan", [](auto& json, auto& print) { json.value(view(print.scan)); }},
+    {"profile", [](auto& json, auto& print) { json.value(view(print.profile)); }},
+    {"result", [](auto& json, auto& print) { json.value(static_cast<PrintState>(print.result)); }},
+    {"layers_done", member<&KeptPrint::layers_done>},
+    {"layers", member<&KeptPrint::layers>},
+    {"resin_ml", rounded<&KeptPrint::resin_ml>},
+    {"ended_at", [](auto& json, auto& print) { json.value(utc_text(print.ended_at)); }},
+    {"preview", [](auto& json, auto& print) { json.value(print.preview_bytes > 0); }},
+};
 
 void write_resin(JsonWriter& json, const PrinterRecord& record) {
   if (!record.resin) return json.null();
@@ -279,86 +218,121 @@ void write_resin(JsonWriter& json, const PrinterRecord& record) {
   json.end_object();
 }
 
-void write_machine(JsonWriter& json, const PrinterRecord& record) {
-  if (record.machine == nullptr) return json.null();
-  const MachineRecord& machine = *record.machine;
-  const auto left = machine.resin_ml();
-  json.begin_object(kOneLine);
-  json.member("resin_ml", mapped(left, thousandths));
-  json.member("filled_ml", only_if(left.has_value(), thousandths(machine.filled_ml())));
-  json.member("tank_ml", thousandths(machine.tank_ml()));
-  json.member("lamp_h", thousandths(std::chrono::duration<double, std::ratio<3600>>(machine.lamp_lit()).count()));
-  json.member("film_layers", machine.film_layers());
-  json.key("hottest_c");
+void write_hottest(JsonWriter& json, const MachineRecord& machine) {
   json.begin_object(kOneLine);
   for (std::size_t i = 0; i < kTemperatureSiteCount; ++i) {
     const auto site = static_cast<TemperatureSite>(i);
     json.member(to_string(site), mapped(machine.hottest(site), [](Celsius c) { return thousandths(c.value()); }));
   }
   json.end_object();
-  json.key("unseen_faults");
-  json.begin_array(kOneLine);
-  for (std::size_t i = 0; i < machine.fault_count(); ++i) {
-    FixedText<16> code;
-    code.add("PL-%u", static_cast<unsigned>(machine.fault(i).code));
-    json.value(code.view());
-  }
-  json.end_array();
-  json.end_object();
 }
+
+void write_unseen_faults(JsonWriter& json, const MachineRecord& machine) {
+  json.begin_array(kOneLine);
+  for (std::size_t i = 0; i < machine.fault_count(); ++i) json.value(machine.fault(i).code);
+  json.end_array();
+}
+
+double lamp_hours(const MachineRecord& machine) {
+  return std::chrono::duration<double, std::ratio<3600>>(machine.lamp_lit()).count();
+}
+
+/// None: nobody has said.
+std::optional<double> filled_ml(const MachineRecord& machine) {
+  return only_if(machine.resin_ml().has_value(), machine.filled_ml());
+}
+
+constexpr JsonField<MachineRecord> kMachineFields[] = {
+    {"resin_ml", rounded<&MachineRecord::resin_ml>},
+    {"filled_ml", rounded<filled_ml>},
+    {"tank_ml", rounded<&MachineRecord::tank_ml>},
+    {"lamp_h", rounded<lamp_hours>},
+    {"film_layers", member<&MachineRecord::film_layers>},
+    {"hottest_c", write_hottest},
+    {"unseen_faults", write_unseen_faults},
+};
+
+constexpr JsonField<CheckResult> kCheckFields[] = {{"outcome", member<&CheckResult::outcome>},
+                                                   {"detail", member<&CheckResult::detail>},
+                                                   {"told", told<&CheckResult::told>}};
 
 void write_checks(JsonWriter& json, const PrinterRecord& record) {
   json.begin_array(kOneLine);
   for (std::size_t i = 0; i < kCheckCount; ++i) {
     if (record.checks[i].outcome == CheckOutcome::kNotReached) continue;
     json.begin_object(kOneLine);
-    json.member("check", to_string(static_cast<Check>(i)));
-    json.member("outcome", to_string(record.checks[i].outcome));
-    json.member("detail", record.checks[i].detail.view());
-    write_told(json, "told", record.checks[i].told);
+    json.member("check", static_cast<Check>(i));
+    write_fields(json, kCheckFields, record.checks[i]);
     json.end_object();
   }
   json.end_array();
 }
 
-void write_findings(JsonWriter& json, const PrinterRecord& record) {
+constexpr JsonField<FindingRecord> kFindingFields[] = {
+    {"severity", [](auto& json, auto& f) { json.value(f.severity == Severity::kNote ? "note" : "warning"); }},
+    {"text", member<&FindingRecord::text>},
+    {"told", told<&FindingRecord::told>},
+};
+
+constexpr JsonField<FaultRecord> kFaultFields[] = {
+    {"code", member<&FaultRecord::code>},
+    {"title", [](auto& json, auto& fault) { json.value(info(fault.code).title); }},
+    {"meaning", [](auto& json, auto& fault) { json.value(info(fault.code).meaning); }},
+    {"message", text_or_null<&FaultRecord::message>},
+    {"told", told<&FaultRecord::told>},
+    {"remedy", member<&FaultRecord::remedy>},
+};
+
+void write_commands(JsonWriter& json, const PrinterRecord& record) {
   json.begin_array(kOneLine);
-  for (std::size_t i = 0; i < record.finding_count; ++i) {
-    const FindingRecord& finding = record.findings[i];
-    json.begin_object(kOneLine);
-    json.member("severity", finding.severity == Severity::kNote ? "note" : "warning");
-    json.member("text", finding.text.view());
-    write_told(json, "told", finding.told);
-    json.end_object();
+  for (std::size_t i = 0; i < kCommandCount; ++i) {
+    if (const auto command = static_cast<Command>(i); takes(record, command)) json.value(command);
   }
   json.end_array();
 }
 
-void write_fault(JsonWriter& json, const PrinterRecord& record) {
-  if (!record.fault) return json.null();
-  const FaultRecord& fault = *record.fault;
-  const FaultWords& known = info(fault.code);
-  FixedText<16> code;
-  code.add("PL-%u", static_cast<unsigned>(fault.code));
-  json.begin_object(kOneLine);
-  json.member("code", code.view());
-  json.member("title", known.title);
-  json.member("meaning", known.meaning);
-  text_or_null(json, "message", fault.message.view());
-  write_told(json, "told", fault.told);
-  json.member("remedy", fault.remedy.view());
-  json.end_object();
-}
+constexpr JsonField<PrinterRecord> kStateFields[] = {
+    {"printer", member<&PrinterRecord::printer>},
+    {"simulated", member<&PrinterRecord::simulated>},
+    {"state", member<&PrinterRecord::state>},
+    {"message", text_or_null<&PrinterRecord::message>},
+    {"message_told", told<&PrinterRecord::message_told>},
+    {"question", text_or_null<&PrinterRecord::question>},
+    {"question_told", told<&PrinterRecord::question_told>},
+    {"asks", id_or_null<&PrinterRecord::question_id>},
+    {"commands", write_commands},
+    {"stick", write_stick},
+    {"upload_limit", [](auto& json, auto& r) { json.value(takes_upload(r) ? r.most_upload_bytes : 0); }},
+    {"upload", object<&PrinterRecord::upload, kUploadFields>},
+    {"stored", object<&PrinterRecord::stored, kStoredFields>},
+    {"job", write_job},
+    {"proposals", write_proposals},
+    {"profiles", [](auto& json, auto& r) { json.value(std::span(r.profiles).first(r.profile_count)); }},
+    {"slicing", object<&PrinterRecord::slicing, kSlicingFields>},
+    {"sliced", write_sliced},
+    {"pictures", write_pictures},
+    {"masks", member<&PrinterRecord::has_masks>},
+    {"report", [](auto& json, auto& record) { json.value(record.has_report && at_rest(record.state)); }},
+    {"prints",
+     [](auto& json, auto& r) {
+       write_objects(json, kKeptFields, r.prints != nullptr ? r.prints->list() : std::span<const KeptPrint>());
+     }},
+    {"progress", object<&PrinterRecord::progress, kProgressFields>},
+    {"resin", write_resin},
+    {"machine", object<&PrinterRecord::machine, kMachineFields>},
+    {"checks", write_checks},
+    {"findings",
+     [](auto& json, auto& r) { write_objects(json, kFindingFields, std::span(r.findings).first(r.finding_count)); }},
+    {"fault", object<&PrinterRecord::fault, kFaultFields>},
+};
 
 }  // namespace
 
-void write_told(JsonWriter& json, std::string_view name, const Told& told) {
-  json.key(name);
+void write_told(JsonWriter& json, const Told& told) {
   if (told.empty()) return json.null();
   json.begin_object(kOneLine);
-  json.member("code", to_string(told.code));
-  json.key("values");
-  json.begin_object(kOneLine);
+  json.member("code", told.code);
+  json.begin_object("values", kOneLine);
   for (std::size_t i = 0; i < told.count; ++i) {
     json.member(format_of(told.facts[i]).name, thousandths(told.values[i]));
   }
@@ -374,55 +348,7 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   json.member("protocol", kStateProtocol);
   json.member("sequence", sequence);
   json.member("plumbline", kVersion);
-  json.member("printer", record.printer.view());
-  json.member("simulated", record.simulated);
-  json.member("state", to_string(record.state));
-  text_or_null(json, "message", record.message.view());
-  write_told(json, "message_told", record.message_told);
-  text_or_null(json, "question", record.question.view());
-  write_told(json, "question_told", record.question_told);
-  id_or_null(json, "asks", record.question_id());
-  json.key("commands");
-  json.begin_array(kOneLine);
-  for (std::size_t i = 0; i < kCommandCount; ++i) {
-    if (const auto command = static_cast<Command>(i); takes(record, command)) json.value(to_string(command));
-  }
-  json.end_array();
-  json.key("stick");
-  write_stick(json, record);
-  json.member("upload_limit", takes_upload(record) ? record.most_upload_bytes : std::uint64_t{0});
-  json.key("upload");
-  write_upload(json, record);
-  json.key("stored");
-  write_stored(json, record);
-  json.key("job");
-  write_job(json, record);
-  json.key("proposals");
-  write_proposals(json, record);
-  json.key("profiles");
-  write_profiles(json, record);
-  json.key("slicing");
-  write_slicing(json, record);
-  json.key("sliced");
-  write_sliced(json, record);
-  json.key("pictures");
-  write_pictures(json, record);
-  json.member("masks", record.has_masks);
-  json.member("report", record.has_report && at_rest(record.state));
-  json.key("prints");
-  write_prints(json, record);
-  json.key("progress");
-  write_progress(json, record);
-  json.key("resin");
-  write_resin(json, record);
-  json.key("machine");
-  write_machine(json, record);
-  json.key("checks");
-  write_checks(json, record);
-  json.key("findings");
-  write_findings(json, record);
-  json.key("fault");
-  write_fault(json, record);
+  write_fields(json, kStateFields, record);
   json.end_object();
   return json.finish();
 }
@@ -437,8 +363,9 @@ Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Er
   if (upload) json.member("upload", *upload);
   if (error != nullptr) {
     json.member("error", error->finding());
-    text_or_null(json, "advice", error->advice());
-    write_told(json, "told", error->told());
+    json.member("advice", only_if(!error->advice().empty(), error->advice()));
+    json.key("told");
+    write_told(json, error->told());
   }
   json.end_object();
   return json.finish();

@@ -21,8 +21,8 @@ inline constexpr std::uint32_t kStateProtocol = 1;
 inline constexpr std::size_t kLongestLine = std::size_t{128} * 1024;
 using StateLine = TextBuffer<kLongestLine>;
 
-/// Writes what is told as a member: {"code": "island", "values": {"count": 3, ...}, "name": ...}; null if it has no code.
-void write_told(JsonWriter& json, std::string_view name, const Told& told);
+/// Writes what is told: {"code": "island", "values": {"count": 3, ...}, "name": ...}; null if it has no code.
+void write_told(JsonWriter& json, const Told& told);
 
 /// @param sequence  rises with each line that differs from the one before
 /// @retval ErrorCode::kCannotWrite  `out` is full

@@ -41,13 +41,11 @@ void write_archive_report(JsonWriter& json, const LayerArchive& archive, const s
                           const std::string& refusal) {
   const ArchiveSettings& s = archive.settings();
   json.begin_object();
-  json.key("plumbline");
-  json.begin_object(JsonWriter::Layout::kOneLine);
+  json.begin_object("plumbline", kOneLine);
   json.member("version", kVersion);
   json.end_object();
-  json.key("archive");
-  json.begin_object();
-  json.member("name", std::string_view(name));
+  json.begin_object("archive");
+  json.member("name", name);
   json.member("layers", archive.layers());
   json.member("columns", archive.columns());
   json.member("rows", archive.rows());
@@ -56,10 +54,10 @@ void write_archive_report(JsonWriter& json, const LayerArchive& archive, const s
   }
   json.end_object();
   if (setup.board) {
-    json.member("printer", std::string_view(setup.printer_name));
+    json.member("printer", setup.printer_name);
     json.member("fits", refusal.empty());
     json.member("turned", archive.is_turned());
-    if (!refusal.empty()) json.member("refusal", std::string_view(refusal));
+    if (!refusal.empty()) json.member("refusal", refusal);
   }
   json.end_object();
 }

@@ -25,8 +25,6 @@ using Text = FixedText<2 * kMaxPath>;
 
 std::uint64_t missing_normals(const ScanSummary& scan) { return scan.header.has_normals ? 0 : scan.points; }
 
-std::uint32_t points_of(const InspectReport& scan, PointClass c) { return scan.clustering.points[c]; }
-
 /// Adds each remark as a line.
 auto remarks_in(Text& text) {
   return [&text](const Told& told, std::string_view sentence) {
@@ -180,79 +178,45 @@ void add_plan(Text& text, const ScanOutlook& o) {
 
 void write_scan(JsonWriter& json, const ScanOutlook& o) {
   const ScanSummary& scan = o.scan.scan;
-  json.key("scan");
-  json.begin_object();
-  json.member("name", std::string_view(o.scan_name));
-  json.member("format", to_string(scan.header.format));
-  json.member("encoding", scan.header.encoding);
-  json.member("bytes", scan.bytes);
-  json.member("points", scan.points);
-  json.member("points_not_finite", scan.not_finite);
-  json.member("points_left_out", scan.left_out);
-  json.key("normals");
-  json.begin_object(kOneLine);
+  json.begin_object("scan");
+  json.member("name", o.scan_name);
+  write_fields(json, kScanFields, scan);
+  json.begin_object("normals", kOneLine);
   json.member("have", scan.points - std::max(scan.without_normal, missing_normals(scan)));
   json.member("missing", missing_normals(scan));
-  json.member("zero_length", scan.header.has_normals ? scan.without_normal : std::uint64_t{0});
+  json.member("zero_length", scan.header.has_normals ? scan.without_normal : 0);
   json.end_object();
-  json.member("normals_estimated", o.scan.normals.estimated);
-  json.member("normals_turned", o.scan.normals.turned);
-  json.member("normals_inside_out", o.scan.normals.inside_out);
-  json.member("normals_contradictory", o.scan.normals.contradictory);
-  json.key("views");
-  json.begin_object(kOneLine);
+  write_fields(json, kNormalFields, o.scan.normals);
+  json.begin_object("views", kOneLine);
   json.member("stated", o.scan.stated_views.count);
   json.member("scanners_known", o.scan.stated_views.scanners);
   json.end_object();
-  if (o.scan_names.size() > 1) write_files(json, o.scan_names, o.scan.scans);
+  write_files(json, o.scan_names, o.scan.scans);
   json.end_object();
 }
 
 void write_fit(JsonWriter& json, const ScanOutlook& o) {
-  json.key("printer");
-  if (o.placement.printer) {
-    json.value(std::string_view(o.printer_name));
-  } else {
-    json.null();
-  }
-  json.member("fits", o.scan.placement.has_value());
-  if (!o.scan.placement) json.member("fits_not_because", at_terminal(o.scan.placement.error()).view());
-  json.key("largest_scale");
-  if (o.largest_scale) {
-    json.value(*o.largest_scale);
-  } else {
-    json.null();
-  }
+  const auto& placement = o.scan.placement;
+  json.member("printer", o.placement.printer ? std::optional(o.printer_name) : std::nullopt);
+  json.member("fits", placement.has_value());
+  if (!placement) json.member("fits_not_because", at_terminal(placement.error()));
+  json.member("largest_scale", o.largest_scale);
   json.key("grid");
-  if (!o.scan.placement) return json.null();
-  const PrintGrid& grid = o.scan.placement->grid;
-  json.begin_object(kOneLine);
-  json.member("columns", grid.columns);
-  json.member("rows", grid.rows);
-  json.member("layers", grid.layers);
-  json.key("pixel_pitch_mm");
-  json.begin_array(kOneLine);
-  json.value(grid.pitch_x_mm);
-  json.value(grid.pitch_y_mm);
-  json.end_array();
-  json.member("layer_height_mm", grid.layer_height_mm);
-  json.end_object();
+  if (!placement) return json.null();
+  write_object(json, kGridFields, placement->grid);
 }
 
 void write_plan(JsonWriter& json, const ScanOutlook& o) {
-  json.key("thinning");
-  json.begin_object(kOneLine);
+  json.begin_object("thinning", kOneLine);
   json.member("cell_mm", o.mm(o.scan.lengths.thinning_cell));
   json.member("points_left", o.scan.cloud_points);
   json.member("room_for_points", o.scan.cloud_capacity);
   json.end_object();
-  json.key("averaging");
-  json.begin_object(kOneLine);
+  json.begin_object("averaging", kOneLine);
   json.member("times", o.scan.averagings);
   json.member("noise_mm", o.mm(o.scan.lengths.averaged_noise));
   json.end_object();
-  json.key("arena");
-  json.begin_object();
+  json.begin_object("arena");
   json.member("bytes", o.arena_bytes);
   json.member("threads", o.threads);
   json.key("planned_bytes");
@@ -263,6 +227,17 @@ void write_plan(JsonWriter& json, const ScanOutlook& o) {
   } else {
     json.null();
   }
+  json.end_object();
+}
+
+void write_unseen(JsonWriter& json, const std::optional<CoveragePreview>& coverage) {
+  json.key("never_seen");
+  if (!coverage) return json.null();
+  json.begin_object(kOneLine);
+  json.member("underside", coverage->underside_unseen());
+  json.member("underside_share", coverage->shares.of(Evidence::kBase));
+  json.member("rest_share", Unseen::of(coverage->shares).elsewhere);
+  json.member("encloses_nothing", coverage->outside);
   json.end_object();
 }
 
@@ -311,54 +286,29 @@ Status write_outlook(OutputFile& out, const ScanOutlook& outlook, std::string_vi
 void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   const InspectReport& s = outlook.scan;
   json.begin_object();
-  json.key("plumbline");
-  json.begin_object(kOneLine);
+  json.begin_object("plumbline", kOneLine);
   json.member("version", kVersion);
   json.end_object();
   write_scan(json, outlook);
   write_mesh(json, s.mesh);
-  json.key("extent_scan_units");
-  json.row(s.bounds.size());
-  json.key("extent_with_noise_scan_units");
-  json.row(s.bounds_with_noise.size());
-  json.key("units");
-  json.begin_object(kOneLine);
-  json.member("used", to_string(outlook.scan.units));
-  json.member("guess", to_string(outlook.guess));
+  json.member("extent_scan_units", s.bounds.size());
+  json.member("extent_with_noise_scan_units", s.bounds_with_noise.size());
+  json.begin_object("units", kOneLine);
+  json.member("used", s.units);
+  json.member("guess", outlook.guess);
   json.end_object();
-  json.key("size_mm");
-  json.row(Vec3d(s.bounds.size() * outlook.unit_mm() * outlook.scale()));
+  json.member("size_mm", Vec3d(s.bounds.size() * outlook.unit_mm() * outlook.scale()));
   json.member("spacing_mm", outlook.mm(s.spacing));
   json.member("epsilon_mm", outlook.mm(s.lengths.epsilon));
   json.member("noise_mm", outlook.mm(s.lengths.noise));
   json.member("roughness_mm", outlook.mm(s.roughness));
-  json.key("points");
-  json.begin_object(kOneLine);
-  json.member("entering", points_of(s, PointClass::kEntering));
-  json.member("exiting", points_of(s, PointClass::kExiting));
-  json.member("neutral", points_of(s, PointClass::kNeutral));
-  json.member("noise", points_of(s, PointClass::kNoise));
+  json.begin_object("points", kOneLine);
+  write_by<PointClass>(json, s.clustering.points.counts);
   json.end_object();
-  write_strays(json, s.strays);
   write_position(json, s);
   write_proof(json, s.coarse.proof);
-  json.key("never_seen");
-  if (outlook.coverage) {
-    json.begin_object(kOneLine);
-    json.member("underside", outlook.coverage->underside_unseen());
-    json.member("underside_share", outlook.coverage->shares.of(Evidence::kBase));
-    json.member("rest_share", Unseen::of(outlook.coverage->shares).elsewhere);
-    json.member("encloses_nothing", outlook.coverage->outside);
-    json.end_object();
-  } else {
-    json.null();
-  }
-  if (outlook.findings) {
-    write_issues(json, *outlook.findings, outlook.coarse_grid, {});
-  } else {
-    json.key("issues");
-    json.null();
-  }
+  write_unseen(json, outlook.coverage);
+  write_issues(json, outlook.findings, outlook.coarse_grid, {});
   write_fit(json, outlook);
   write_plan(json, outlook);
   json.end_object();

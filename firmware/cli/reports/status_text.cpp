@@ -46,7 +46,7 @@ std::string text_of(std::string_view value) {
   return text ? std::string(*text) : std::string();
 }
 
-void add_line(std::string& page, std::string_view name, const std::string& text) {
+void add_line(std::string& page, std::string_view name, std::string_view text) {
   FixedText<16> column;
   column.add("%-10.*s", static_cast<int>(name.size()), name.data());
   page += column.view();
@@ -70,7 +70,7 @@ void add_stick(std::string& page, std::string_view state) {
     name.add("%s%s", json_text(scan, "name").c_str(), files > 1 ? ", ..." : "");
     line.add("%c %2.0f  %-30s %9.1f MB%s%s", number == chosen ? '*' : ' ', number, name.c_str(),
              json_number(scan, "bytes") / 1e6, problem.empty() ? "" : "  ", problem.c_str());
-    add_line(page, any ? "" : is_uploaded ? "uploaded" : "scans", std::string(line.view()));
+    add_line(page, any ? "" : is_uploaded ? "uploaded" : "scans", line.view());
     any = true;
   });
   if (!any && !is_uploaded) add_line(page, "stick", "in the port");
@@ -80,7 +80,7 @@ void add_stick(std::string& page, std::string_view state) {
     FixedText<200> line;
     line.add("  %2.0f  %s", number, name.c_str());
     if (entries > 0) line.add("/, %.0f inside", entries);
-    add_line(page, any ? "" : "folders", std::string(line.view()));
+    add_line(page, any ? "" : "folders", line.view());
     any = true;
   };
   if (!folder.empty()) add_folder(0, "back up: this is " + folder, 0);
@@ -100,7 +100,7 @@ void add_proposals(std::string& page, std::string_view state) {
     line.add("%c %.0f  x %.4g, y %.4g degrees: %.3g ml to support, %.4g mm high, largest layer %.3g cm2",
              chosen ? '*' : ' ', number, json_number(way, "rotate_x_deg"), json_number(way, "rotate_y_deg"),
              json_number(way, "support_ml"), json_number(way, "height_mm"), json_number(way, "peel_mm2") / 100);
-    add_line(page, number == 0 ? "oriented" : "", std::string(line.view()));
+    add_line(page, number == 0 ? "oriented" : "", line.view());
   });
 }
 
@@ -109,7 +109,7 @@ void add_stored(std::string& page, std::string_view state) {
   const auto stored = object_of(state, "stored");
   FixedText<200> line;
   line.add("%s, %.1f MB, uploaded", json_text(stored, "name").c_str(), json_number(stored, "bytes") / 1e6);
-  add_line(page, "stored", std::string(line.view()));
+  add_line(page, "stored", line.view());
 }
 
 void add_progress(std::string& page, std::string_view state) {
@@ -119,7 +119,7 @@ void add_progress(std::string& page, std::string_view state) {
     line.add("%.0f of %.0f, at %.2f mm", json_number(progress, "layers_done"), json_number(progress, "layers"),
              json_number(progress, "height_mm"));
     if (has(progress, "slack_s")) line.add(", masks ready %.1f s early", json_number(progress, "slack_s"));
-    add_line(page, "layers", std::string(line.view()));
+    add_line(page, "layers", line.view());
     if (has(progress, "ends_at")) add_line(page, "ends", json_text(progress, "ends_at"));
   }
   if (has(state, "resin")) {
@@ -127,20 +127,15 @@ void add_progress(std::string& page, std::string_view state) {
     FixedText<200> line;
     line.add("%.1f of %.1f ml, a full tank has %.0f ml", json_number(resin, "used_ml"), json_number(resin, "needed_ml"),
              json_number(resin, "tank_ml"));
-    add_line(page, "resin", std::string(line.view()));
+    add_line(page, "resin", line.view());
   }
   if (has(state, "machine")) {
     const auto machine = object_of(state, "machine");
-    FixedText<200> line;
-    if (has(machine, "resin_ml")) {
-      line.add("%.1f ml of resin", json_number(machine, "resin_ml"));
-    } else {
-      line.add("nobody has said how much resin");
-    }
-    add_line(page, "tank", std::string(line.view()));
-    line.clear();
-    line.add("lamp %.1f h, film %.0f layers", json_number(machine, "lamp_h"), json_number(machine, "film_layers"));
-    add_line(page, "used", std::string(line.view()));
+    FixedText<200> tank, used;
+    tank.add("%.1f ml of resin", json_number(machine, "resin_ml"));
+    add_line(page, "tank", has(machine, "resin_ml") ? tank.view() : "nobody has said how much resin");
+    used.add("lamp %.1f h, film %.0f layers", json_number(machine, "lamp_h"), json_number(machine, "film_layers"));
+    add_line(page, "used", used.view());
   }
 }
 

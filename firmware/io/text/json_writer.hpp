@@ -2,20 +2,36 @@
 /// Writes JSON as a stream.
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/text/text_sink.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 
-/// Rounds to three decimals, as the state and the reports show figures.
+/// Rounds to three decimals, as the state and the reports show figures and seconds.
 inline double thousandths(double value) { return std::round(value * 1000) / 1000; }
+inline double thousandths(std::chrono::nanoseconds time) {
+  return thousandths(std::chrono::duration<double>(time).count());
+}
+template <class T>
+std::optional<double> thousandths(const std::optional<T>& value) {
+  return value ? std::optional(thousandths(*value)) : std::nullopt;
+}
+
+/// Values one after the other, which a text is not.
+template <class Values>
+concept JsonList = !std::is_convertible_v<const Values&, std::string_view> && requires(const Values& values) {
+  values.begin() != values.end();
+};
 
 /// Writes one JSON value through a fixed buffer. Libraries build the document on the heap, which a job must not use.
 ///
@@ -32,18 +48,19 @@ class JsonWriter {
   JsonWriter& operator=(const JsonWriter&) = delete;
 
   void begin_object(Layout layout = Layout::kLines) { open('{', layout); }
+  void begin_object(std::string_view name, Layout layout = Layout::kLines) {
+    key(name);
+    begin_object(layout);
+  }
   void end_object() { shut('}'); }
   void begin_array(Layout layout = Layout::kLines) { open('[', layout); }
+  void begin_array(std::string_view name, Layout layout = Layout::kLines) {
+    key(name);
+    begin_array(layout);
+  }
   void end_array() { shut(']'); }
   void key(const PrintableText& name);
 
-  /// An array of values on one line.
-  template <class Values>
-  void row(const Values& values) {
-    begin_array(Layout::kOneLine);
-    for (const auto& v : values) value(v);
-    end_array();
-  }
   void value(const PrintableText& text);
   void value(const char* text) { value(PrintableText(text)); }  // else it would become a bool
   void value(bool truth);
@@ -51,6 +68,33 @@ class JsonWriter {
   void value(std::uint32_t number) { value(std::uint64_t{number}); }
   void value(double number);
   void value(float number);
+  /// In seconds.
+  void value(std::chrono::nanoseconds time) { value(std::chrono::duration<double>(time).count()); }
+  void value(std::chrono::seconds time) { value(static_cast<std::uint64_t>(time.count())); }
+  template <std::size_t Capacity>
+  void value(const FixedText<Capacity>& text) {
+    value(text.view());
+  }
+  /// A word of an enumeration, by its to_string().
+  template <class Word>
+  requires std::is_enum_v<Word>
+  void value(Word word) { value(to_string(word)); }
+  /// Null if there is none.
+  template <class T>
+  void value(const std::optional<T>& v) {
+    if (v) {
+      value(*v);
+    } else {
+      null();
+    }
+  }
+  /// An array of values on one line.
+  template <JsonList Values>
+  void value(const Values& values) {
+    begin_array(Layout::kOneLine);
+    for (const auto& v : values) value(v);
+    end_array();
+  }
   void null();
   /// Sixteen hexadecimal digits in quotes, since most readers can't hold 64 bits in a JSON number.
   void hex(std::uint64_t number);
@@ -59,16 +103,6 @@ class JsonWriter {
   void member(std::string_view name, const T& v) {
     key(name);
     value(v);
-  }
-  /// Null if there is none.
-  template <class T>
-  void member(std::string_view name, const std::optional<T>& v) {
-    key(name);
-    if (v) {
-      value(*v);
-    } else {
-      null();
-    }
   }
 
   /// Must be the last call: ends the line and empties the buffer.

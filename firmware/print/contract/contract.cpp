@@ -118,27 +118,23 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
 }
 
 void write_contract(JsonWriter& json, const Contract& contract) {
-  constexpr double kDigits = 1e6;
   json.member("width_mm", thousandths(contract.width_mm));
   json.member("depth_mm", thousandths(contract.depth_mm));
   json.member("height_mm", thousandths(contract.height_mm));
-  json.key("rotation_deg");
-  json.begin_array(JsonWriter::Layout::kOneLine);
-  for (const double degrees : contract.rotation_deg) json.value(degrees);
-  json.end_array();
+  json.member("rotation_deg", contract.rotation_deg);
   json.member("best_way_up", contract.best_way_up);
   json.member("points_off_percent", thousandths(100 * contract.proof.share_off()));
   json.member("grey_percent", thousandths(100 * contract.grey));
   json.member("grey_lost_percent", thousandths(100 * contract.grey_lost));
   json.member("resin_ml", thousandths(contract.resin_ml));
-  json.member("time_s", static_cast<std::uint64_t>(contract.time.count()));
-  json.key("values");
-  json.begin_array(JsonWriter::Layout::kOneLine);
+  json.member("time_s", contract.time);
+  constexpr double kDigits = 1e6;
+  json.begin_array("values", kOneLine);
   for (const PrintField& field : kPrintFields) {
-    json.begin_object(JsonWriter::Layout::kOneLine);
+    json.begin_object(kOneLine);
     json.member("key", field.name);
     json.member("value", std::round(value_of(contract.plan, field.key) * kDigits) / kDigits);
-    json.member("unit", std::string_view(field.unit + 1));
+    json.member("unit", field.unit + 1);
     json.member("source", kSourceWords[static_cast<std::size_t>(contract.sources[index_of(field.key)])]);
     json.member("can_change", field.can_be_changed());
     json.end_object();

@@ -5,11 +5,18 @@
 #include <cctype>
 
 namespace plumbline {
+
+FixedText<16> to_string(FaultCode code) {
+  FixedText<16> text;
+  text.add("PL-%u", static_cast<unsigned>(code));
+  return text;
+}
+
 FaultText explain(FaultCode code, std::string_view finding, std::string_view advice) {
   const FaultWords& fault = info(code);
   FaultText text;
-  text.what.add("PL-%u, %.*s%s%.*s", static_cast<unsigned>(code), static_cast<int>(fault.title.size()),
-                fault.title.data(), finding.empty() ? "" : ": ", static_cast<int>(finding.size()), finding.data());
+  text.what.add("%s, %.*s%s%.*s", to_string(code).c_str(), static_cast<int>(fault.title.size()), fault.title.data(),
+                finding.empty() ? "" : ": ", static_cast<int>(finding.size()), finding.data());
   // An error about a scan or a setting gives better advice than the table: it has the numbers. A device can't advise to resume.
   if (advice.empty() || code > FaultCode::kBadSetting) advice = fault.next;
   text.advice.add("%c%.*s%s", std::toupper(static_cast<unsigned char>(advice[0])), static_cast<int>(advice.size()) - 1,

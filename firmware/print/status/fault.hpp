@@ -53,6 +53,9 @@ enum class FaultCode : std::uint16_t {
   kFirmware = 903,
 };
 
+/// "PL-301".
+FixedText<16> to_string(FaultCode code);
+
 /// @param code  not kNone
 const FaultWords& info(FaultCode code, Language language = Language::kEnglish);
 

@@ -78,7 +78,7 @@ TEST(JsonWriter, WritesMoreThanItsBufferHolds) {
   const std::string long_text(1000, 'x');
   std::string expected = "[";
   for (int i = 0; i < 10; ++i) expected += (i == 0 ? "\"" : ", \"") + long_text + "\"";
-  EXPECT_EQ(written([&](JsonWriter& json) { json.row(std::vector<std::string>(10, long_text)); }), expected + "]\n");
+  EXPECT_EQ(written([&](JsonWriter& json) { json.value(std::vector<std::string>(10, long_text)); }), expected + "]\n");
 }
 
 TEST(JsonWriter, ReportsAFullDiskAtTheEnd) {
