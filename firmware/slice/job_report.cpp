@@ -173,7 +173,7 @@ Sentence ignored_units_warning(Units units) {
 namespace {
 
 /// Normals that were flipped; nothing if they are few, as those of flying pixels at edges.
-void remark_on_normals(const PreparationCounts& scan, RemarkVisit visit) {
+void remark_on_normals(const PreparationReport& scan, RemarkVisit visit) {
   const double percent = 100.0 * scan.normals.turned / std::max(1U, scan.cloud_points);
   Sentence text;
   if (scan.normals.contradictory) {
@@ -311,7 +311,7 @@ FixedText<96> classes_text(const ClassCounts& points) {
   return text;
 }
 
-void for_each_scan_remark(const PreparationCounts& scan, double noise_mm, double mm_per_unit, RemarkVisit visit) {
+void for_each_scan_remark(const PreparationReport& scan, double noise_mm, double mm_per_unit, RemarkVisit visit) {
   Sentence text;
   if (scan.averagings > 0) {
     text.add(
@@ -347,7 +347,7 @@ void for_each_scan_remark(const PreparationCounts& scan, double noise_mm, double
   remark_on_normals(scan, visit);
 }
 
-void remark_on_orientation(const PreparationCounts& scan, RemarkVisit visit) {
+void remark_on_orientation(const PreparationReport& scan, RemarkVisit visit) {
   const ClassCounts& points = scan.clustering.points;
   if (points.is_negligible(PointClass::kExiting) && !points.is_negligible(PointClass::kEntering)) {
     visit(PrinterCode::kOnItsFace, "the scan shows one side only, which faces down, so most of it can't be closed");

@@ -108,9 +108,9 @@ FixedText<96> classes_text(const ClassCounts& points);
 using RemarkVisit = FunctionRef<void(const Told& told, std::string_view sentence)>;
 /// A sentence each for noise that was averaged, a floor and stray pieces that were left out, and normals that were flipped.
 /// @param noise_mm  of the scan's points
-void for_each_scan_remark(const PreparationCounts& scan, double noise_mm, double mm_per_unit, RemarkVisit visit);
+void for_each_scan_remark(const PreparationReport& scan, double noise_mm, double mm_per_unit, RemarkVisit visit);
 /// A sentence if the scan plainly lies wrong.
-void remark_on_orientation(const PreparationCounts& scan, RemarkVisit visit);
+void remark_on_orientation(const PreparationReport& scan, RemarkVisit visit);
 /// Both, and a sentence each for what else was left out or changed, and for a size that is not as asked for.
 void for_each_remark(const SliceReport& slice, RemarkVisit visit);
 
