@@ -200,11 +200,11 @@ void PrintChecks::stage_homed() {
   conclude(Check::kStage, CheckOutcome::kPassed);
 }
 
-void PrintChecks::journal_in_doubt(std::string_view finding, const Told& told) {
+void PrintChecks::journal_in_doubt(const Spoken& doubt) {
   CheckResult& check = result(Check::kJournal);
   check.detail.clear();
-  check.detail.add("%.*s", static_cast<int>(finding.size()), finding.data());
-  check.told = told;
+  check.detail.add("%s", doubt.text.c_str());
+  check.told = doubt.told;
   conclude(Check::kJournal, CheckOutcome::kWarned);
 }
 

@@ -31,8 +31,8 @@ class PrintChecks {
 
   /// The homing at the start of the print checks the stage.
   void stage_homed();
-  /// @param finding  what that homing found instead of what the journal says
-  void journal_in_doubt(std::string_view finding, const Told& told);
+  /// @param doubt  what that homing found instead of what the journal says
+  void journal_in_doubt(const Spoken& doubt);
   void stage_failed(const Error& error);
 
   /// Fault of the first check that failed; kNone: none did.

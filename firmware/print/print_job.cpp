@@ -4,6 +4,10 @@
 #include <utility>
 
 #include "firmware/messages/printer_code.hpp"
+#include "firmware/print/layer_checks.hpp"
+#include "firmware/print/plate_moves.hpp"
+#include "firmware/print/print_checks.hpp"
+#include "firmware/print/print_watch.hpp"
 #include "firmware/print/resume_check.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/tank_fill.hpp"
@@ -29,29 +33,118 @@ bool is_of_mask(ErrorCode code) {
          code == ErrorCode::kOutOfMemory;
 }
 
-}  // namespace
+/// One print, run once.
+class PrintJob {
+ public:
+  PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
+           MachineRecord& record, std::span<ExposureLine> exposures, PrintObserver& observer)
+      : machine_(machine), settings_(settings), masks_(masks), journal_(journal), record_(record), observer_(observer) {
+    report_.room = exposures;
+  }
 
-PrintJob::PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
-                   MachineRecord& record, std::span<ExposureLine> exposures, PrintObserver& observer)
-    : machine_(machine), settings_(settings), masks_(masks), journal_(journal), record_(record), observer_(observer) {
-  report_.room = exposures;
-}
+  const PrintReport& run(const std::optional<JournalEntry>& from);
 
-const PrintReport& PrintJob::resume(const JournalEntry& from) {
-  doubt_ = Doubt::kUnchecked;
-  return print(from);
-}
+ private:
+  /// A mask in the panel's free buffer, not presented yet.
+  struct ReadyMask {
+    std::uint32_t layer;
+    MaskFacts facts;
+    MaskBuffer buffer;
+  };
 
-const PrintReport& PrintJob::print(const JournalEntry& from) {
-  entry_ = from;
-  before_ = from.elapsed;
-  began_ = machine_.clock.now();
+  void apply(PrintEvent event);  ///< the one place that changes the state
+  bool apply_pending();
+  void go_on();
+  void notify();
+  void fault(FaultCode code, std::string_view finding, const Told& told = {});
+  void fail_with(const Error& error) { fault(fault_of(error.code()), error.finding(), error.told()); }
+
+  Status step();
+  Status run_checks();
+  Status home();
+  void confirm_journal();
+  Status print_layer();
+  Status render(std::uint32_t layer);
+  bool needs_resin() const;
+  void ask_for_resin();
+  void note_use();
+  Expected<LayerFinding> look_at_machine(bool waits);
+  Expected<bool> expose(const MaskFacts& shown);
+  Status layer_cured(const MaskFacts& shown);
+  void record(const ExposureReport& exposure, const MaskFacts& shown);
+  Status write_journal();
+  Status write_spare();
+  Status note_stand();
+  Expected<bool> raise_for_pause();
+  Status raise_to_pause();
+  Status raise_to_end();
+  Status wait_to_raise();
+  Status wait_for_start();
+  Status wait_for_cover();
+  Status cool_down();
+  void make_safe();
+
+  double used_ml() const {
+    return static_cast<double>(entry_.cured_pixels) * settings_.pixel_ml +
+           (entry_.next_layer > 0 ? settings_.first_layer_more_ml : 0);
+  }
+  /// Of the layer whose mask is ready; 0: none is.
+  double layer_ml() const { return ready_ ? static_cast<double>(ready_->facts.pixels) * settings_.pixel_ml : 0; }
+  double left_to_print_ml() const { return settings_.needed_ml() - used_ml(); }
+  /// The next layer to cure, or the last one if all are cured.
+  std::uint32_t layer_at_hand() const {
+    return entry_.next_layer < plan_.layers ? entry_.next_layer : plan_.layers - 1;
+  }
+  /// From now on the print has `left` to go, of which `after` follows what it does next.
+  void expect(nanoseconds left, nanoseconds after) {
+    ends_at_ = machine_.clock.now() + left;
+    left_after_ = after;
+  }
+  nanoseconds time_left();
+  nanoseconds elapsed() const { return machine_.clock.now() - began_; }
+
+  Machine& machine_;
+  const PrintSettings settings_;
+  const PrintPlan& plan_ = settings_.plan;
+  MaskRenderer& masks_;
+  Journal* journal_;
+  MachineRecord& record_;
+  PrintObserver& observer_;
+  PrintReport report_;
+
+  PrintState state_ = PrintState::kIdle;
+  PrintWatch watch_{machine_, state_, [this] { notify(); }};
+  PlateMoves plate_{machine_.stage, plan_, watch_};
+  PrintChecks checks_{machine_, settings_, report_.checks, observer_};
+  JournalEntry entry_;  ///< the next entry for the journal, as of now
+  /// The journal that is resumed from may lack layers: neither the stage nor the user has confirmed it yet. Not a state, since a print can
+  /// be suspended, fail or be cancelled in doubt, and must not write to the journal then.
+  bool in_doubt_ = false;
+  bool at_hand_lit_ = false;  ///< the layer at hand may have had light
+  std::optional<ReadyMask> ready_;
+  std::optional<nanoseconds> slack_;  ///< of the mask that was rendered during the last exposure
+  TimePoint began_;                   ///< as if the earlier runs had ended when this one began
+  TimePoint ends_at_;                 ///< as expect() was told
+  nanoseconds left_after_{};
+  nanoseconds told_left_ = nanoseconds::max();  ///< by time_left()
+  Spoken question_;                             ///< that start answers; empty: the state says it
+  LayerFinding hindrance_;                      ///< what the print waits for in kCoolingDown
+  bool tank_is_looked_at_ = false;
+  double fill_ml_ = 0;              ///< that the tank is to hold when start is pressed
+  std::uint32_t fills_before_ = 0;  ///< MachineRecord::fills() when the print asked for it
+};
+
+const PrintReport& PrintJob::run(const std::optional<JournalEntry>& from) {
+  in_doubt_ = from.has_value();
+  entry_ = from.value_or(JournalEntry());
+  const TimePoint began = machine_.clock.now();
+  began_ = began - entry_.elapsed;
   report_.layers = plan_.layers;
-  report_.first_layer = from.next_layer;
-  report_.estimated = print_time(plan_) - (remaining_time(plan_, 0) - remaining_time(plan_, from.next_layer));
+  report_.first_layer = entry_.next_layer;
+  report_.estimated = print_time(plan_) - (remaining_time(plan_, 0) - remaining_time(plan_, entry_.next_layer));
   // Whatever ended the run before may have lit the layer at hand.
-  at_hand_lit_ = from.at_hand_pixels > 0;
-  const nanoseconds after_homing = time_to_end(plan_, plan_.highest, from.next_layer, from.lit);
+  at_hand_lit_ = entry_.at_hand_pixels > 0;
+  const nanoseconds after_homing = time_to_end(plan_, plan_.highest, entry_.next_layer, entry_.lit);
   // Where the plate stands is not known before the end stop is found: it may be far below.
   const auto at = machine_.stage.position();
   expect(homing_time(plan_, at.value_or(ZPosition())) + after_homing, after_homing);
@@ -65,7 +158,7 @@ const PrintReport& PrintJob::print(const JournalEntry& from) {
   report_.next_layer = entry_.next_layer;
   report_.cured_pixels = entry_.cured_pixels;
   report_.resin_ml = used_ml();
-  report_.elapsed = machine_.clock.now() - began_;
+  report_.elapsed = machine_.clock.now() - began;
   report_.steps_lost = plate_.steps_lost();
   return report_;
 }
@@ -108,8 +201,8 @@ void PrintJob::go_on() {
   if (state_ == PrintState::kFeedMe && record_.fills() == fills_before_) {
     if (const auto filled = record_.fill(fill_ml_); !filled) return fail_with(filled.error());
   }
-  waited_long_ = false;
-  if (doubt_ == Doubt::kAsked) doubt_ = Doubt::kNone;
+  if (!question_.text.view().empty()) in_doubt_ = false;  // it was about the part, or the journal is confirmed already
+  question_ = {};
   apply(PrintEvent::kResumeAsked);
 }
 
@@ -128,28 +221,17 @@ void PrintJob::notify() {
   status.remaining = time_left();
   status.slack = slack_;
   status.resin_ml = used_ml();
-  FixedText<160> question;
-  if (doubt_ == Doubt::kAsked) {
-    question = question_about(entry_);
-    status.question_told = told_question(entry_);
-  } else if (state_ == PrintState::kFeedMe) {
+  Spoken question = question_;
+  if (state_ == PrintState::kFeedMe) {
     question = fill_question(record_.resin_ml(), fill_ml_);
-    status.question_told = told_fill_question(record_.resin_ml(), fill_ml_);
   } else if (state_ == PrintState::kCoolingDown) {
-    question.add("%s. The print goes on by itself", explain(hindrance_.fault, hindrance_.text.view()).what.c_str());
-    status.question_told = hindrance_.told;
-  } else if (waited_long_) {
-    question.add("%s, for an hour: press start to wait again, or cancel", hindrance_.text.c_str());
-    status.question_told = PrinterCode::kWaitedLong;
+    question.text.add("%s. The print goes on by itself",
+                      explain(hindrance_.fault, hindrance_.text.view()).what.c_str());
+    question.told = hindrance_.told;
   }
-  status.question = question.view();
+  status.question = question.text.view();
+  status.question_told = question.told;
   if (!observer_.update(status)) watch_.request(Request::kCancel);
-}
-
-void PrintJob::expect(nanoseconds left, nanoseconds after) {
-  expected_at_ = machine_.clock.now();
-  left_ = left;
-  left_after_ = after;
 }
 
 /// Falls with the time, and never rises but for a pause.
@@ -159,8 +241,7 @@ nanoseconds PrintJob::time_left() {
     const auto at = machine_.stage.position();
     return told_left_ = time_to_end(plan_, at.value_or(plan_.highest), entry_.next_layer, entry_.lit);
   }
-  const nanoseconds left = std::max(left_ - (machine_.clock.now() - expected_at_), left_after_);
-  return told_left_ = std::min(told_left_, left);
+  return told_left_ = std::min(told_left_, std::max<nanoseconds>(ends_at_ - machine_.clock.now(), left_after_));
 }
 
 void PrintJob::fault(FaultCode code, std::string_view finding, const Told& told) {
@@ -171,8 +252,6 @@ void PrintJob::fault(FaultCode code, std::string_view finding, const Told& told)
   }
   apply(code == FaultCode::kPowerLost ? PrintEvent::kShutdown : PrintEvent::kFailed);
 }
-
-void PrintJob::fail_with(const Error& error) { fault(fault_of(error.code()), error.finding(), error.told()); }
 
 Status PrintJob::step() {
   if (watch_.pending() >= Request::kCancel && apply_pending()) return {};
@@ -226,24 +305,22 @@ Status PrintJob::home() {
   }
   plate_.forget_steps_lost();  // lost before this print
   // Also if the user interrupts at the very end of the homing, since the plate can be lowered from here on.
-  if (doubt_ != Doubt::kNone && machine_.stage.homed()) confirm_journal();
+  if (in_doubt_ && machine_.stage.homed()) confirm_journal();
   if (!*homed) {
     apply_pending();
     return {};
   }
   checks_.stage_homed();
-  apply(doubt_ == Doubt::kNone ? PrintEvent::kHomed : PrintEvent::kPartInDoubt);
+  apply(in_doubt_ ? PrintEvent::kPartInDoubt : PrintEvent::kHomed);
   return {};
 }
 
 void PrintJob::confirm_journal() {
   const auto found = plate_.homed_from();
-  if (stage_confirms(entry_, plan_, found, machine_.stage.limits().drift)) {
-    doubt_ = Doubt::kNone;
-  } else {
-    doubt_ = Doubt::kAsked;
-    checks_.journal_in_doubt(doubt_about(entry_, found).view(), told_doubt(entry_));
-  }
+  in_doubt_ = !stage_confirms(entry_, plan_, found, machine_.stage.limits().drift);
+  if (!in_doubt_) return;
+  question_ = question_about(entry_);
+  checks_.journal_in_doubt(doubt_about(entry_, found));
 }
 
 Status PrintJob::print_layer() {
@@ -267,17 +344,18 @@ Status PrintJob::print_layer() {
     apply(PrintEvent::kTooHot);
     return {};
   }
-  if (!mask_ || mask_layer_ != layer) {
+  if (!ready_ || ready_->layer != layer) {
     PLUMBLINE_TRY(render(layer));
-    observer_.mask_made(layer, mask_->image());
+    observer_.mask_made(layer, ready_->buffer.image());
   }
   if (needs_resin()) {
     ask_for_resin();
     return {};
   }
-  if (entry_.at_hand_pixels != mask_facts_.pixels) {
+  const MaskFacts shown = ready_->facts;
+  if (entry_.at_hand_pixels != shown.pixels) {
     // So that a power cut under its light is known to have used them.
-    entry_.at_hand_pixels = static_cast<std::uint32_t>(mask_facts_.pixels);
+    entry_.at_hand_pixels = static_cast<std::uint32_t>(shown.pixels);
     PLUMBLINE_TRY(write_spare());
   }
   const auto lowered = plate_.lower_to(layer);
@@ -287,17 +365,16 @@ Status PrintJob::print_layer() {
     apply_pending();
     return {};
   }
-  PLUMBLINE_TRY(machine_.mask.present(std::move(*mask_)));
-  mask_.reset();
-  shown_facts_ = mask_facts_;
-  const auto cured = expose();
+  PLUMBLINE_TRY(machine_.mask.present(std::move(ready_->buffer)));
+  ready_.reset();
+  const auto cured = expose(shown);
   PLUMBLINE_TRY(cured);
   PLUMBLINE_TRY(machine_.mask.blank());
   if (!*cured) {
     apply_pending();
     return {};
   }
-  PLUMBLINE_TRY(layer_cured());
+  PLUMBLINE_TRY(layer_cured(shown));
   const nanoseconds took = machine_.clock.now() - layer_began;
   if (took > report_.slowest) {
     report_.slowest = took;
@@ -313,25 +390,23 @@ Status PrintJob::print_layer() {
 }
 
 Status PrintJob::render(std::uint32_t layer) {
-  mask_.reset();
+  ready_.reset();
   auto buffer = machine_.mask.lend();
   PLUMBLINE_TRY(buffer);
   const auto facts = masks_.render(layer, buffer->image());
   PLUMBLINE_TRY(facts);
-  mask_facts_ = *facts;
-  mask_.emplace(std::move(*buffer));
-  mask_layer_ = layer;
+  ready_.emplace(ReadyMask{layer, *facts, std::move(*buffer)});
   return {};
 }
 
-/// Whether the tank has too little resin for the layer whose mask is rendered.
+/// Whether the tank has too little resin for the layer whose mask is ready.
 bool PrintJob::needs_resin() const {
   if (at_hand_lit_) return false;  // its resin is cured already
   return layer_ml() > usable_ml(record_.resin_ml(), settings_.tank_ml);
 }
 
 void PrintJob::ask_for_resin() {
-  fill_ml_ = fill_to_ml(std::max(left_to_print_ml(), mask_ ? layer_ml() : 0), settings_.tank_ml);
+  fill_ml_ = fill_to_ml(std::max(left_to_print_ml(), layer_ml()), settings_.tank_ml);
   fills_before_ = record_.fills();
   apply(PrintEvent::kResinLow);
 }
@@ -356,7 +431,7 @@ void PrintJob::note_use() {
 }
 
 /// @returns false: interrupted before the layer had all its light
-Expected<bool> PrintJob::expose() {
+Expected<bool> PrintJob::expose(const MaskFacts& shown) {
   const std::uint32_t layer = entry_.next_layer;
   const nanoseconds cure = exposure_of(plan_, layer) - entry_.lit;
   if (cure <= nanoseconds::zero()) return true;
@@ -374,7 +449,7 @@ Expected<bool> PrintJob::expose() {
     if (rendered) {
       slack_ = exposure->ends_by() - machine_.clock.now();
       if (*slack_ < nanoseconds::zero()) ++report_.late_masks;
-      if (*slack_ > kTimeToLook) observer_.mask_made(layer + 1, mask_->image());
+      if (*slack_ > kTimeToLook) observer_.mask_made(layer + 1, ready_->buffer.image());
     }
   }
   PLUMBLINE_TRY(watch_.wait_for(*exposure));
@@ -382,7 +457,7 @@ Expected<bool> PrintJob::expose() {
   PLUMBLINE_TRY(report);
   entry_.lit += report->lit;
   entry_.lamp += report->lit;
-  record(*report);
+  record(*report, shown);
   if (state_ != PrintState::kPrinting) return false;
   // The lamp goes dark before the cover's event arrives, which may still be in the queue.
   if (report->end == ExposureEnd::kCoverOpened) watch_.request(Request::kCoverOpened);
@@ -390,12 +465,12 @@ Expected<bool> PrintJob::expose() {
 }
 
 /// Writes the layer to the journal before the lift, so that a power cut never cures it again in the wrong place.
-Status PrintJob::layer_cured() {
+Status PrintJob::layer_cured(const MaskFacts& shown) {
   const std::uint32_t layer = entry_.next_layer;
   entry_.next_layer = layer + 1;
   entry_.height = height_of(plan_, layer);
-  entry_.cured_pixels += shown_facts_.pixels;
-  entry_.at_hand_pixels = mask_ && mask_layer_ == layer + 1 ? static_cast<std::uint32_t>(mask_facts_.pixels) : 0;
+  entry_.cured_pixels += shown.pixels;
+  entry_.at_hand_pixels = ready_ ? static_cast<std::uint32_t>(ready_->facts.pixels) : 0;
   entry_.lit = {};
   at_hand_lit_ = false;
   note_use();
@@ -408,7 +483,7 @@ Status PrintJob::layer_cured() {
   return {};
 }
 
-void PrintJob::record(const ExposureReport& exposure) {
+void PrintJob::record(const ExposureReport& exposure, const MaskFacts& shown) {
   const Dose expected = dose_of(machine_.lamp.limits().irradiance, exposure.lit);
   report_.add({.layer = entry_.next_layer,
                .end = exposure.end,
@@ -417,11 +492,11 @@ void PrintJob::record(const ExposureReport& exposure) {
                .lit = exposure.lit,
                .expected = expected,
                .dose = exposure.dose,
-               .mask_hash = shown_facts_.hash,
+               .mask_hash = shown.hash,
                .next_made = slack_.has_value(),
                .slack = slack_.value_or(nanoseconds()),
-               .making = slack_ ? mask_facts_.making : nanoseconds(),
-               .copying = slack_ ? mask_facts_.copying : nanoseconds()});
+               .making = ready_ ? ready_->facts.making : nanoseconds(),
+               .copying = ready_ ? ready_->facts.copying : nanoseconds()});
   if (exposure.source != DoseSource::kMeasured || exposure.end != ExposureEnd::kTimeUp) return;
   if (dose_error(exposure, expected) > kDoseNoted) ++report_.doses_off;
   const auto dose = check_dose(exposure, expected, entry_.next_layer);
@@ -438,7 +513,7 @@ Status PrintJob::write_journal() {
 /// Writes a record that the print can do without, if the journal has room for it. Not while the journal is in doubt: if it learned where
 /// the plate stands now, the next start would not ask.
 Status PrintJob::write_spare() {
-  return journal_ != nullptr && journal_->has_spare() && doubt_ == Doubt::kNone ? write_journal() : Status();
+  return journal_ != nullptr && journal_->has_spare() && !in_doubt_ ? write_journal() : Status();
 }
 
 /// Writes to the journal where the plate rests, so that a resumed print finds it there.
@@ -491,7 +566,7 @@ Status PrintJob::wait_to_raise() {
 }
 
 Status PrintJob::wait_for_start() {
-  mask_.reset();
+  ready_.reset();
   if (watch_.pending() <= Request::kPause) watch_.take();  // pressed before the wait began
   const PrintState waiting = state_;
   PLUMBLINE_TRY(raise_for_pause());
@@ -503,7 +578,7 @@ Status PrintJob::wait_for_start() {
 }
 
 Status PrintJob::wait_for_cover() {
-  mask_.reset();
+  ready_.reset();
   while (!apply_pending() && state_ == PrintState::kCoverOpen) {
     PLUMBLINE_TRY(watch_.wait(kLook));
     notify();
@@ -513,7 +588,7 @@ Status PrintJob::wait_for_cover() {
 }
 
 Status PrintJob::cool_down() {
-  mask_.reset();
+  ready_.reset();
   PLUMBLINE_TRY(raise_for_pause());
   const TimePoint began = machine_.clock.now();
   TimePoint well_since = began;
@@ -527,14 +602,14 @@ Status PrintJob::cool_down() {
       hindrance_ = *found;
       well_since = now;
     }
-    waited_long_ = now - began >= kLongWait;
     if (now - well_since >= kSteady) {
       apply(PrintEvent::kCooledDown);
-    } else if (waited_long_) {
+    } else if (now - began >= kLongWait) {
+      question_.text.add("%s, for an hour: press start to wait again, or cancel", hindrance_.text.c_str());
+      question_.told = PrinterCode::kWaitedLong;
       apply(PrintEvent::kPauseAsked);
     }
   }
-  waited_long_ = waited_long_ && state_ == PrintState::kPaused;
   return {};
 }
 
@@ -542,7 +617,7 @@ Status PrintJob::cool_down() {
 /// Errors are ignored, since they were reported already or come from the loss of power.
 void PrintJob::make_safe() {
   machine_.lamp.turn_off();
-  mask_.reset();
+  ready_.reset();
   static_cast<void>(machine_.mask.blank());
   const bool can_resume = state_ == PrintState::kFault || state_ == PrintState::kSuspended;
   const bool powered = report_.fault != FaultCode::kPowerLost;
@@ -561,6 +636,14 @@ void PrintJob::make_safe() {
       machine_.lamp.lit() || report_.fault == FaultCode::kLampStuckOn || report_.fault == FaultCode::kLampKeeper;
   static_cast<void>(machine_.thermals.set_fan(Fan::kLamp, may_be_lit ? 1 : 0));
   static_cast<void>(machine_.thermals.set_fan(Fan::kChamber, 0));
+}
+
+}  // namespace
+
+PrintReport run_print(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
+                      MachineRecord& record, std::span<ExposureLine> exposures, PrintObserver& observer,
+                      const std::optional<JournalEntry>& from) {
+  return PrintJob(machine, settings, masks, journal, record, exposures, observer).run(from);
 }
 
 }  // namespace plumbline

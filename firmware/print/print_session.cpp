@@ -164,7 +164,7 @@ double PrintSession::needed_ml() const {
 
 MaskFigures PrintSession::mask_figures() const { return plumbline::mask_figures(exposures_, scratch_); }
 
-const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer, MachineRecord* record) {
+PrintReport PrintSession::print(Machine& machine, PrintObserver& observer, MachineRecord* record) {
   MachineRecord& machine_record = record != nullptr ? *record : unkept_;
   PrintSettings settings;
   settings.plan = facts_.contract.plan;
@@ -186,9 +186,9 @@ const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer
   settings.has_issues = findings_ && findings_->any();
   settings.memory_needed = arena_.used();
   settings.memory_budget = arena_.capacity();
-  job_.emplace(machine, settings, *masks_, journal_ ? &*journal_ : nullptr, machine_record, lines_, observer);
   const JournalEntry from = journal_ ? journal_->last() : JournalEntry();
-  const PrintReport& report = resumed_ ? job_->resume(from) : job_->run();
+  const PrintReport report = run_print(machine, settings, *masks_, journal_ ? &*journal_ : nullptr, machine_record,
+                                       lines_, observer, resumed_ ? std::optional(from) : std::nullopt);
   exposures_ = report.exposures;
   const bool refused = !report.begun && from == JournalEntry();
   const bool for_good = refused || report.state == PrintState::kFinished || report.state == PrintState::kCancelled;

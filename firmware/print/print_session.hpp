@@ -85,7 +85,7 @@ class PrintSession {
   /// Prints. @pre slice_scan(), take() or load() was called, once. A print that ends for good, or that the checks refuse before its
   /// first layer, is removed from the store.
   /// @param record  durable when it returns; null: the tank is full, and nobody keeps a record
-  const PrintReport& print(Machine& machine, PrintObserver& observer, MachineRecord* record = nullptr);
+  PrintReport print(Machine& machine, PrintObserver& observer, MachineRecord* record = nullptr);
 
   const SliceReport& sliced() const { return slice_report_; }
   const JobFacts& facts() const { return facts_; }
@@ -146,7 +146,6 @@ class PrintSession {
   std::span<nanoseconds> scratch_;
   std::uint64_t first_layer_pixels_ = 0;
   MachineRecord unkept_{machine_.tank_volume_ml};
-  std::optional<PrintJob> job_;
   std::span<const ExposureLine> exposures_;
 };
 

@@ -16,37 +16,33 @@ bool stage_confirms(const JournalEntry& last, const PrintPlan& plan, std::option
   return last.stands >= too_high && *found + unsure >= last.stands && *found - unsure <= last.stands;
 }
 
-FixedText<160> doubt_about(const JournalEntry& last, std::optional<ZPosition> found) {
+Spoken doubt_about(const JournalEntry& last, std::optional<ZPosition> found) {
   const double part_mm = last.height.above_film().millimetres();
-  FixedText<160> text;
+  Spoken doubt;
+  doubt.told = {PrinterCode::kCheckJournalDoubt, {{Fact::kHeightMm, part_mm}}};
   if (found) {
-    text.add("the plate stood at %.2f mm, the journal ends at %.2f mm: measure the part",
-             found->above_film().millimetres(), part_mm);
+    doubt.text.add("the plate stood at %.2f mm, the journal ends at %.2f mm: measure the part",
+                   found->above_film().millimetres(), part_mm);
   } else {
-    text.add("it is not known where the plate stood, the journal ends at %.2f mm: measure the part", part_mm);
+    doubt.text.add("it is not known where the plate stood, the journal ends at %.2f mm: measure the part", part_mm);
   }
-  return text;
+  return doubt;
 }
 
-FixedText<160> question_about(const JournalEntry& last) {
-  FixedText<160> text;
+Spoken question_about(const JournalEntry& last) {
+  const double part_mm = last.height.above_film().millimetres();
+  Spoken question;
   if (last.next_layer == 0) {
-    text.add("no layer is cured yet. Look at the plate: press start if it is bare, cancel if a part hangs on it");
+    question.text.add(
+        "no layer is cured yet. Look at the plate: press start if it is bare, cancel if a part hangs on it");
+    question.told = PrinterCode::kLookAtPlate;
   } else {
-    text.add("the part must be %.2f mm tall (%u layer%s). Measure it: press start if it is, cancel if it is taller",
-             last.height.above_film().millimetres(), last.next_layer, plural_s(last.next_layer));
+    question.text.add(
+        "the part must be %.2f mm tall (%u layer%s). Measure it: press start if it is, cancel if it is taller", part_mm,
+        last.next_layer, plural_s(last.next_layer));
+    question.told = {PrinterCode::kMeasurePart, {{Fact::kHeightMm, part_mm}, {Fact::kLayers, last.next_layer}}};
   }
-  return text;
-}
-
-Told told_doubt(const JournalEntry& last) {
-  return {PrinterCode::kCheckJournalDoubt, {{Fact::kHeightMm, last.height.above_film().millimetres()}}};
-}
-
-Told told_question(const JournalEntry& last) {
-  if (last.next_layer == 0) return PrinterCode::kLookAtPlate;
-  return {PrinterCode::kMeasurePart,
-          {{Fact::kHeightMm, last.height.above_film().millimetres()}, {Fact::kLayers, last.next_layer}}};
+  return question;
 }
 
 }  // namespace plumbline

@@ -6,8 +6,8 @@
 
 #include <optional>
 
-#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/plan/print_plan.hpp"
+#include "firmware/print/status/print_observer.hpp"
 #include "firmware/print/store/journal.hpp"
 #include "hal/units.hpp"
 
@@ -21,11 +21,8 @@ namespace plumbline {
 bool stage_confirms(const JournalEntry& last, const PrintPlan& plan, std::optional<ZPosition> found, Distance drift);
 
 /// What was found instead, for the checks.
-FixedText<160> doubt_about(const JournalEntry& last, std::optional<ZPosition> found);
+Spoken doubt_about(const JournalEntry& last, std::optional<ZPosition> found);
 /// What the user must measure and answer by start or cancel.
-FixedText<160> question_about(const JournalEntry& last);
-/// Both as codes.
-Told told_doubt(const JournalEntry& last);
-Told told_question(const JournalEntry& last);
+Spoken question_about(const JournalEntry& last);
 
 }  // namespace plumbline

@@ -28,20 +28,17 @@ bool needs_filling(std::optional<double> left_ml, double needed_ml, double tank_
   return !left_ml || usable_ml(left_ml, tank_ml) < std::min(needed_ml, kNearlyFull * tank_ml);
 }
 
-FixedText<160> fill_question(std::optional<double> left_ml, double fill_ml) {
-  FixedText<160> text;
+Spoken fill_question(std::optional<double> left_ml, double fill_ml) {
+  Spoken question;
   if (left_ml) {
-    text.add("%.1f ml of resin are left", *left_ml);
+    question.text.add("%.1f ml of resin are left", *left_ml);
+    question.told = {PrinterCode::kRefillTank, {{PrinterFact::kLeftMl, *left_ml}, {PrinterFact::kFillMl, fill_ml}}};
   } else {
-    text.add("nobody has said how much resin there is");
+    question.text.add("nobody has said how much resin there is");
+    question.told = {PrinterCode::kFillTank, {{PrinterFact::kFillMl, fill_ml}}};
   }
-  text.add(": fill the tank to %.1f ml, close the cover, then press start", fill_ml);
-  return text;
-}
-
-Told told_fill_question(std::optional<double> left_ml, double fill_ml) {
-  if (!left_ml) return {PrinterCode::kFillTank, {{PrinterFact::kFillMl, fill_ml}}};
-  return {PrinterCode::kRefillTank, {{PrinterFact::kLeftMl, *left_ml}, {PrinterFact::kFillMl, fill_ml}}};
+  question.text.add(": fill the tank to %.1f ml, close the cover, then press start", fill_ml);
+  return question;
 }
 
 }  // namespace plumbline

@@ -3,8 +3,7 @@
 
 #include <optional>
 
-#include "firmware/io/text/fixed_text.hpp"
-#include "slicer/core/words/told.hpp"
+#include "firmware/print/status/print_observer.hpp"
 
 namespace plumbline {
 
@@ -20,7 +19,6 @@ double fill_to_ml(double needed_ml, double tank_ml);
 bool needs_filling(std::optional<double> left_ml, double needed_ml, double tank_ml);
 
 /// "0.2 ml of resin are left: fill the tank to 1.0 ml, close the cover, then press start"
-FixedText<160> fill_question(std::optional<double> left_ml, double fill_ml);
-Told told_fill_question(std::optional<double> left_ml, double fill_ml);
+Spoken fill_question(std::optional<double> left_ml, double fill_ml);
 
 }  // namespace plumbline

@@ -234,7 +234,7 @@ class Rig {
   }
 
   /// Starts the print, or resumes it after the journal's last layer.
-  const PrintReport& run() {
+  PrintReport run() {
     arena_.emplace(std::span(block_));
     if (!machine_ || !same_process) {
       machine_.reset();
@@ -249,8 +249,8 @@ class Rig {
     journal_ = *opened;
     lines_.assign(2 * plan.layers + 50, {});
     Machine machine = machine_->machine();
-    job_.emplace(machine, settings(), *masks_, &*journal_, record, lines_, user);
-    return is_new ? job_->run() : job_->resume(journal_->last());
+    return run_print(machine, settings(), *masks_, &*journal_, record, lines_, user,
+                     is_new ? std::nullopt : std::optional(journal_->last()));
   }
 
   PrintSettings settings() const {
@@ -335,7 +335,6 @@ class Rig {
   std::optional<MaskRenderer> masks_;
   std::optional<Journal> journal_;
   std::vector<ExposureLine> lines_;
-  std::optional<PrintJob> job_;
 };
 
 }  // namespace plumbline

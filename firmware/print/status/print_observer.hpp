@@ -19,6 +19,12 @@ enum class PrintNote : std::uint8_t {
   kCoverFirst,  ///< the plate moves when the cover is closed
 };
 
+/// A sentence, and the same as a code.
+struct Spoken {
+  FixedText<160> text;
+  Told told;
+};
+
 /// How far a print is.
 struct PrintStatus {
   PrintState state = PrintState::kIdle;

@@ -48,12 +48,12 @@ TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
 
   HeapTrap trap;
   const auto sliced = session.slice_scan(*scan, slicing, SupportSettings(), profile, nullptr);
-  const PrintReport* const report = sliced ? &session.print(machine, observer) : nullptr;
+  const PrintReport report = sliced ? session.print(machine, observer) : PrintReport();
   const HeapUse use = trap.disarm();
 
   ASSERT_TRUE(sliced) << sliced.error().message();
-  EXPECT_EQ(report->state, PrintState::kFinished) << report->fault_message.c_str();
-  EXPECT_GT(report->exposures.size(), 50U);
+  EXPECT_EQ(report.state, PrintState::kFinished) << report.fault_message.c_str();
+  EXPECT_GT(report.exposures.size(), 50U);
   EXPECT_EQ(use.trapped, 0);
   if (use.trapped > 0) HeapTrap::print_stacks();
   EXPECT_GT(use.simulator, 0) << "the trap was armed during the print";

@@ -90,11 +90,11 @@ TEST(ResumeCheck, HasNoDoubtWhenOnlyTheRaiseIsLeft) {
 TEST(ResumeCheck, SaysWhatWasFoundAndWhatToMeasure) {
   const PrintPlan plan = plan_of(50_um);
   const JournalEntry last = after(plan, 12);
-  EXPECT_THAT(std::string(doubt_about(last, ZPosition(4.2_mm)).view()),
+  EXPECT_THAT(std::string(doubt_about(last, ZPosition(4.2_mm)).text.view()),
               HasSubstr("stood at 4.20 mm, the journal ends at 0.60 mm"));
-  EXPECT_THAT(std::string(doubt_about(last, std::nullopt).view()), HasSubstr("not known where the plate stood"));
-  EXPECT_THAT(std::string(question_about(last).view()), HasSubstr("0.60 mm tall (12 layers)"));
-  EXPECT_THAT(std::string(question_about({}).view()), HasSubstr("press start if it is bare"));
+  EXPECT_THAT(std::string(doubt_about(last, std::nullopt).text.view()), HasSubstr("not known where the plate stood"));
+  EXPECT_THAT(std::string(question_about(last).text.view()), HasSubstr("0.60 mm tall (12 layers)"));
+  EXPECT_THAT(std::string(question_about({}).text.view()), HasSubstr("press start if it is bare"));
 }
 
 }  // namespace
