@@ -290,7 +290,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
                   .panel = devices.panel,
                   .thermals = devices.thermals,
                   .screen = devices.screen};
-  PrinterDaemon daemon(watched, settings, *child, arena, *store, *remembered, log, record, &uploads);
+  PrinterDaemon daemon(watched, settings, *child, arena, *store, *remembered, log, record, uploads);
   std::optional<ScreenServer> screen;
   if (watched.screen != nullptr) screen.emplace(*watched.screen, machine->language);
   events.serve(**socket, record, daemon.commands(), screen ? &*screen : nullptr, &uploads);

@@ -57,8 +57,7 @@ Expected<std::optional<EventKind>> DaemonCommands::fill_tank(std::optional<doubl
 
 /// @returns cancel, if the scan is offered: that takes the offer back
 Expected<std::optional<EventKind>> DaemonCommands::remove_upload(std::string_view name) {
-  if (uploads_ == nullptr) return fail(ErrorCode::kBadSetting, "this printer has no store for scans");
-  const auto removed = uploads_->remove(name);
+  const auto removed = uploads_.remove(name);
   if (record_.stored) return tl::unexpected<Error>(removed.error());
   if (record_.scans_uploaded) observer_.forget_scans();
   if (!removed) observer_.tell(removed.error().message(), removed.error().told());
@@ -67,10 +66,7 @@ Expected<std::optional<EventKind>> DaemonCommands::remove_upload(std::string_vie
 }
 
 Expected<std::uint32_t> DaemonCommands::take_upload(const ClientRequest& upload, Descriptor from) {
-  if (uploads_ == nullptr) return CommandTaker::take_upload(upload, std::move(from));
-  const auto number = uploads_->begin(upload, std::move(from));
-  PLUMBLINE_TRY(number);
-  return *number;
+  return uploads_.begin(upload, std::move(from));
 }
 
 Expected<bool> DaemonCommands::draw_mask(std::uint32_t layer, LayerPicture& picture) {

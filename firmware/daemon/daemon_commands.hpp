@@ -20,10 +20,9 @@ class DaemonCommands final : public CommandTaker {
  public:
   /// All must outlive it.
   /// @param machine      gets what people say of the tank
-  /// @param uploads      null: none are taken
   /// @param report_path  of the last print's report
   DaemonCommands(const PrinterRecord& record, StateRecorder& observer, Answers& answers, MachineRecord& machine,
-                 Uploads* uploads, const std::string& report_path)
+                 Uploads& uploads, const std::string& report_path)
       : record_(record),
         observer_(observer),
         answers_(answers),
@@ -50,7 +49,7 @@ class DaemonCommands final : public CommandTaker {
   StateRecorder& observer_;
   Answers& answers_;
   MachineRecord& machine_;
-  Uploads* uploads_;
+  Uploads& uploads_;
   const std::string& report_path_;
 };
 

@@ -33,7 +33,7 @@ namespace {
 
 PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, SlicingChild& child, Arena& arena,
                              JobStore& store, MachineRecord& machine_record, DaemonObserver& observer,
-                             PrinterRecord& record, Uploads* uploads)
+                             PrinterRecord& record, Uploads& uploads)
     : machine_(machine),
       settings_(settings),
       child_(child),
@@ -65,7 +65,6 @@ void PrinterDaemon::apply(PrintEvent event) {
   if (event == PrintEvent::kAcknowledged) record_.fault.reset();
   if (record_.state == before) return;
   record_.asks = 0;  // no answer to what was asked before counts in another state
-  if (record_.state == PrintState::kIdle) told_ready_ = false;
   show_on_panel(machine_.panel, record_.state);
 }
 
@@ -117,25 +116,20 @@ Status PrinterDaemon::settle() {
   return {};
 }
 
+/// Waits for scans and offers them.
 Status PrinterDaemon::serve_idle() {
-  if (has_new_upload()) return serve_upload();
-  if (machine_.stick.has_stick() && !served_) return serve_scans(machine_.stick, false);
-  if (uploads_ != nullptr && uploads_->port().has_stick() && !upload_served_) return serve_upload();
-  if (!std::exchange(told_ready_, true)) observer_.say("ready");
-  const auto event = answers_.look();
-  PLUMBLINE_TRY(event);
-  if (!*event) return {};
-  switch ((*event)->kind) {
-    case EventKind::kStartPressed: upload_served_ = false; [[fallthrough]];
-    case EventKind::kStickArrived:
-    case EventKind::kStickDeparted: scans_came(); return {};
-    case EventKind::kShutdownRequested:
-    case EventKind::kCancelPressed:
-    case EventKind::kPausePressed:
-    case EventKind::kCoverOpened:
-    case EventKind::kCoverClosed:
-    case EventKind::kExposureEnded:
-    case EventKind::kMotionEnded: return {};
+  for (bool told_ready = false; !ending();) {
+    if (uploads_.is_new()) return serve_scans(true);
+    if (machine_.stick.has_stick() && stick_ == PortState::kNew) return serve_scans(false);
+    if (uploads_.port().has_stick() && upload_ == PortState::kNew) return serve_scans(true);
+    if (!std::exchange(told_ready, true)) observer_.say("ready");
+    const auto event = answers_.look();
+    PLUMBLINE_TRY(event);
+    if (!*event) continue;
+    const EventKind kind = (*event)->kind;
+    const bool asks = kind == EventKind::kStartPressed;
+    if (asks) upload_ = PortState::kNew;
+    if (asks || kind == EventKind::kStickArrived || kind == EventKind::kStickDeparted) scans_came();
   }
   return {};
 }
@@ -168,10 +162,7 @@ Status PrinterDaemon::serve_plate() {
     PLUMBLINE_TRY(machine_record_.confirm_empty());
     observer_.plate_emptied();
     // Offers what was printed again. A rig's stick would start again, so there it has to be plugged in anew, after the print.
-    if (commands_.of_upload)
-      upload_served_ = false;
-    else
-      served_ = served_ && settings_.machine.start == StartChoice::kOnStick;
+    if (commands_.of_upload || settings_.machine.start != StartChoice::kOnStick) last_port() = PortState::kNew;
     apply(PrintEvent::kPlateEmpty);
     break;
   }
@@ -197,8 +188,9 @@ Status PrinterDaemon::serve_fault() {
     const bool button = *answer == EventKind::kStartPressed || *answer == EventKind::kCancelPressed;
     if (!button && (*answer != EventKind::kStickArrived || !machine_record_.plate_is_empty())) continue;
     PLUMBLINE_TRY(machine_record_.fault_seen());
-    if (button || !has_new_upload())
-      (commands_.of_upload ? upload_served_ : served_) = *answer == EventKind::kCancelPressed;
+    if (button || !uploads_.is_new()) {
+      last_port() = *answer == EventKind::kCancelPressed ? PortState::kServed : PortState::kNew;
+    }
     apply(PrintEvent::kAcknowledged);
     break;
   }
@@ -207,7 +199,7 @@ Status PrinterDaemon::serve_fault() {
 
 /// @returns the job that somebody wants printed; none: nobody does, or the stick was pulled
 Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount, bool uploaded) {
-  auto offer = StickOffer::read(mount, slicing_, settings_, observer_, uploaded, printed_ ? &*printed_ : nullptr);
+  auto offer = StickOffer::read(mount, slicing_, settings_, observer_, uploaded, printed_);
   PLUMBLINE_TRY(offer);
   if (!uploaded && offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) return offer->job();
   EventKind answer{};
@@ -215,7 +207,7 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount,
     ScanGlances glances(mount, *offer, record_, child_, slicing_, observer_, settings_);
     commands_.offer = &*offer;
     answers_.background = [&glances] { return glances.step(); };
-    const auto asked = offer->ask(answers_, [this] { return has_new_upload(); });
+    const auto asked = offer->ask(answers_, [this] { return uploads_.is_new(); });
     answers_.background = nullptr;
     commands_.offer = nullptr;
     glances.stop();
@@ -230,7 +222,7 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount,
   if (answer == EventKind::kStartPressed && !ending()) return offer->job();
   // What has arrived meanwhile is offered next: a new upload, or a stick instead of an upload.
   if (uploaded && answer == EventKind::kStickArrived) scans_came();
-  if (!uploaded) served_ = answer != EventKind::kStickDeparted;
+  if (!uploaded && answer == EventKind::kStickDeparted) stick_ = PortState::kNew;
   return std::nullopt;
 }
 
@@ -261,78 +253,70 @@ Status PrinterDaemon::propose(const StickMount& mount, StickOffer& offer) {
   return {};
 }
 
-/// Says what will be done and what the checks of the masks have found. Asks whether to print it, if the profile or the board file wants
-/// that, or if something is doubtful.
-/// @returns whether to print it. If not, the state says why
-Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const StackFindings& findings, OfferedContract& offered,
-                                     const CheckPolicy& policy, OfferedMasks* masks) {
+Expected<std::optional<Contract>> PrinterDaemon::agree(std::string_view name, const PrintGrid& grid,
+                                                       const StackFindings& findings, PrintProfile& profile,
+                                                       const MakeContract& make, const MakeMasks& masks) {
+  auto contract = make(profile);
+  PLUMBLINE_TRY(contract);
+  // Without room for them there are none to look at.
+  const auto to_look_at = masks(contract->plan);
+  OfferedContract offered(name, *contract, profile, make, observer_);
   offered.tell();
-  const IssueQuestion question(findings, grid, policy);
+  const IssueQuestion question(findings, grid, profile.checks);
   question.tell(observer_);
   if (question.action() == CheckAction::kRefuse) {
     refuse(question.refusal(), FaultCode::kIssueFound);
-    return false;
+    return std::nullopt;
   }
   const bool asks = question.action() == CheckAction::kAsk || settings_.machine.start == StartChoice::kAfterPreview ||
-                    offered.contract().doubts != 0;
+                    contract->doubts != 0;
   if (asks) {
     apply(PrintEvent::kJobOffered);
     commands_.contract = &offered;
-    commands_.masks = masks;
-    record_.has_masks = masks != nullptr;
+    commands_.masks = to_look_at ? to_look_at->get() : nullptr;
+    record_.has_masks = to_look_at.has_value();
     const auto accepted = question.ask(offered, answers_, observer_);
     commands_.contract = nullptr;
     commands_.masks = nullptr;
     record_.has_masks = false;
     PLUMBLINE_TRY(accepted);
     apply(*accepted ? PrintEvent::kJobTaken : PrintEvent::kCancelAsked);
-    if (!*accepted) return false;
+    if (!*accepted) return std::nullopt;
   }
-  return true;
+  return *contract;
 }
 
-Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, ReadJob& job) {
-  const SlicedScan& sliced = job.scan->sliced;
+Expected<bool> PrinterDaemon::prepare(PrintSession& session, ReadJob& job, const SlicedScan& sliced) {
   const std::string_view name = job.request.name.view();
-  const auto make = [&](const PrintProfile& profile) {
-    return contract_of(sliced, job.request.settings, profile, settings_.machine);
-  };
-  auto contract = make(job.profile);
+  const auto contract = agree(
+      name, sliced.rrep.grid, sliced.findings, job.profile,
+      [&](const PrintProfile& profile) {
+        return contract_of(sliced, job.request.settings, profile, settings_.machine);
+      },
+      [&](const PrintPlan& plan) { return OfferedScanMasks::create(sliced, plan, arena_); });
   PLUMBLINE_TRY(contract);
-  {
-    // Without room for them there are none to look at.
-    const auto masks = OfferedScanMasks::create(sliced, contract->plan, arena_);
-    OfferedContract offered(name, *contract, job.profile, make, observer_);
-    const auto wanted =
-        accept(sliced.rrep.grid, sliced.findings, offered, job.profile.checks, masks ? masks->get() : nullptr);
-    if (!wanted || !*wanted) return wanted;
-  }
-  PLUMBLINE_TRY(session.take(sliced, name, job.profile.name, *contract));
-  return true;
+  if (*contract) PLUMBLINE_TRY(session.take(sliced, name, job.profile.name, **contract));
+  return contract->has_value();
 }
 
-Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, ReadJob& job) {
-  JobStore::Received& copy = *job.archive;
+Expected<bool> PrinterDaemon::prepare(PrintSession& session, ReadJob& job, JobStore::Received& archive) {
   const std::string_view name = job.request.name.view();
-  const auto sliced = slicing_.check(copy.file.get(), job.request);
+  const auto sliced = slicing_.check(archive.file.get(), job.request);
   PLUMBLINE_TRY(sliced);
   observer_.previewed(child_.pictures());
   for_each_remark(*sliced, [this](const Told& told, std::string_view remark) { observer_.warn(remark, told); });
   auto profile = profile_of(job.profile, sliced->settings, name, job.by_person);
   PLUMBLINE_TRY(profile);
   job.profile = *profile;
-  const auto make = [&](const PrintProfile& changed) { return contract_of(*sliced, changed, settings_.machine); };
-  auto contract = make(job.profile);
+  const auto contract = agree(
+      name, sliced->grid, sliced->findings, job.profile,
+      [&](const PrintProfile& changed) { return contract_of(*sliced, changed, settings_.machine); },
+      [&](const PrintPlan& plan) {
+        return OfferedArchiveMasks::create(archive.file.get(), name, *sliced, plan, decoder_, arena_);
+      });
   PLUMBLINE_TRY(contract);
-  {
-    // Without room for them there are none to look at.
-    const auto masks = OfferedArchiveMasks::create(copy.file.get(), name, *sliced, contract->plan, decoder_, arena_);
-    OfferedContract offered(name, *contract, job.profile, make, observer_);
-    const auto wanted =
-        accept(sliced->grid, sliced->findings, offered, job.profile.checks, masks ? masks->get() : nullptr);
-    if (!wanted || !*wanted) return wanted;
-  }
-  PLUMBLINE_TRY(session.take(*sliced, name, job.profile.name, *contract, std::move(copy.file), copy.hash));
+  if (!*contract) return false;
+  PLUMBLINE_TRY(session.take(*sliced, name, job.profile.name, **contract, std::move(archive.file), archive.hash));
   return true;
 }
 
@@ -352,23 +336,16 @@ bool PrinterDaemon::store_reports() {
   return stored->asked;
 }
 
-bool PrinterDaemon::has_new_upload() const { return uploads_ != nullptr && uploads_->is_new(); }
-
 /// A stick has come or gone, or an upload has come. Only the first is a reason to offer a stick again.
 void PrinterDaemon::scans_came() {
-  if (!has_new_upload()) served_ = false;
-}
-
-Status PrinterDaemon::serve_upload() {
-  if (uploads_->take_new()) observer_.forget_scans();
-  upload_served_ = true;
-  return serve_scans(uploads_->port(), true);
+  if (!uploads_.is_new()) stick_ = PortState::kNew;
 }
 
 /// Offers what is in a port, and prints it if somebody wants that.
-Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
-  if (!uploaded) served_ = true;
+Status PrinterDaemon::serve_scans(bool uploaded) {
+  if (uploaded && uploads_.take_new()) observer_.forget_scans();
   commands_.of_upload = uploaded;
+  last_port() = PortState::kServed;
   fault_ = FaultCode::kNone;
   const bool wants_reports = !uploaded && store_reports();
   observer_.begin_job();
@@ -377,6 +354,7 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
   PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
   std::optional<ReadJob> read;
   {
+    StickPort& port = uploaded ? uploads_.port() : machine_.stick;
     const auto mount = port.mount();
     PLUMBLINE_TRY(mount);
     const auto wanted = choose(*mount, uploaded);
@@ -387,15 +365,16 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
       apply(PrintEvent::kCancelAsked);
       return {};
     }
-    PLUMBLINE_TRY(read_job(*mount, **wanted, read));
+    auto job = read_job(*mount, **wanted);
+    PLUMBLINE_TRY(job);
+    read = std::move(*job);
   }
   if (!uploaded) observer_.tell("the stick may be pulled", PrinterCode::kStickMayGo);
-  return print_job(session, *read);
+  return print_job(session, *std::move(read));
 }
 
 /// Takes all that the print needs from a mounted stick, so that it may be pulled afterwards.
-/// @param read  out: several kilobytes
-Status PrinterDaemon::read_job(const StickMount& mount, const StickJob& job, std::optional<ReadJob>& read) {
+Expected<PrinterDaemon::ReadJob> PrinterDaemon::read_job(const StickMount& mount, const StickJob& job) {
   auto profile = settings_.profile(job.profile);
   PLUMBLINE_TRY(profile);
   set_values(*profile, job.print_values(), ValueSource::kPerson);
@@ -407,30 +386,30 @@ Status PrinterDaemon::read_job(const StickMount& mount, const StickJob& job, std
   observer_.say(text.view());
   const auto request = stick_request(job, *scan, *profile, settings_);
   PLUMBLINE_TRY(request);
-  read.emplace(ReadJob{*request, *profile, {}, {}, {}, job.print_values()});
-  if (!record_.has_job_file) read->offered = job;
+  ReadJob read{*request, *profile, job.print_values(), {}, {}};
+  if (!record_.has_job_file) read.offered = job;
   if (is_archive_name(job.scans[0])) {
     auto copied = slicing_.copy(mount, scan->front(), store_);
     PLUMBLINE_TRY(copied);
-    read->archive.emplace(std::move(*copied));
-    return {};
+    read.scan = std::move(*copied);
+    return read;
   }
   const auto sliced = slicing_.run(mount, *scan, *request);
   PLUMBLINE_TRY(sliced);
-  read->scan = *sliced;
+  read.scan = sliced->sliced;
   observer_.previewed(child_.pictures());
   for (std::size_t i = 0; i < sliced->remarks; ++i) {
     observer_.warn(at_printer(sliced->remark_told[i], sliced->remark[i].view()).view(), sliced->remark_told[i]);
   }
-  return {};
+  return read;
 }
 
 /// Prints what was read, unless its checks or somebody who is asked about them forbid it.
-Status PrinterDaemon::print_job(PrintSession& session, ReadJob& job) {
+Status PrinterDaemon::print_job(PrintSession& session, ReadJob job) {
   session.set_id(record_.job_id);
   for (const RequestedFile& file : job.request.files()) session.add_scan_file(file.name.view());
-  const auto ready = job.archive ? prepare_archive(session, job) : prepare_scan(session, job);
-  if (job.archive && (!ready || !*ready)) store_.drop_received();
+  const auto ready = std::visit([&](auto& scan) { return prepare(session, job, scan); }, job.scan);
+  if (!ready || !*ready) store_.drop_received();
   PLUMBLINE_TRY(ready);
   if (!*ready) return {};
   apply(PrintEvent::kSliced);
@@ -466,7 +445,7 @@ void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
   record_.has_report = has_report();
   store_reports();
   // Don't print the same stick again until it is plugged in anew.
-  if (!commands_.of_upload) served_ = machine_.stick.has_stick();
+  if (!commands_.of_upload) stick_ = machine_.stick.has_stick() ? PortState::kServed : PortState::kNew;
   fault_ = report.fault;
   if (report.state == PrintState::kFault) keep_fault(report.fault, report.fault_message.view());
   // The print has left the record in its last state. A fault stays until somebody has seen it; after any other end, settle() asks for

@@ -2,7 +2,12 @@
 /// Runs the printer: waits for a stick and for somebody who wants its job printed, slices and prints it, reports, and waits until
 /// somebody has emptied the plate; job after job in the same memory.
 
+#include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
+#include <string_view>
+#include <variant>
 
 #include "firmware/child/child_layer_decoder.hpp"
 #include "firmware/child/slicing_child.hpp"
@@ -34,10 +39,8 @@ class PrinterDaemon {
   /// @param arena   over the child's arena_block()
   /// @param record  what the daemon does is written there
   /// @param machine_record  what the printer remembers
-  /// @param uploads  null: none are taken
   PrinterDaemon(Machine& machine, const DaemonSettings& settings, SlicingChild& child, Arena& arena, JobStore& store,
-                MachineRecord& machine_record, DaemonObserver& observer, PrinterRecord& record,
-                Uploads* uploads = nullptr);
+                MachineRecord& machine_record, DaemonObserver& observer, PrinterRecord& record, Uploads& uploads);
 
   /// Prints jobs until the system shuts down.
   /// @retval ErrorCode::kPowerLost
@@ -52,10 +55,14 @@ class PrinterDaemon {
   struct ReadJob {
     ScanRequest request;
     PrintProfile profile;
-    std::optional<CheckedAnswer> scan;          ///< sliced; or
-    std::optional<JobStore::Received> archive;  ///< copied
-    std::optional<StickJob> offered;            ///< none: it came from a job file
-    PrintValues by_person{};                    ///< what the job says of the print's values
+    PrintValues by_person;                              ///< what the job says of the print's values
+    std::optional<StickJob> offered;                    ///< none: it came from a job file
+    std::variant<SlicedScan, JobStore::Received> scan;  ///< sliced, or an archive that was copied
+  };
+  /// Whether the scans in a port are offered as soon as the printer is idle.
+  enum class PortState : std::uint8_t {
+    kNew,     ///< they are
+    kServed,  ///< they were printed, refused or declined: when somebody asks
   };
 
   void apply(PrintEvent event);  ///< the one place that changes the state between prints
@@ -68,25 +75,26 @@ class PrinterDaemon {
   Status serve_plate();
   Status serve_fault();
   void show_unseen_fault();
-  bool has_new_upload() const;
   void scans_came();
-  Status serve_upload();
-  /// @param port  the stick's, or that of the uploads
-  Status serve_scans(StickPort& port, bool uploaded);
-  Status read_job(const StickMount& mount, const StickJob& job, std::optional<ReadJob>& read);
-  Status print_job(PrintSession& session, ReadJob& job);
+  /// @param uploaded  those in the port of the uploads, not the stick's
+  Status serve_scans(bool uploaded);
+  Expected<ReadJob> read_job(const StickMount& mount, const StickJob& job);
+  Status print_job(PrintSession& session, ReadJob job);
   Expected<std::optional<StickJob>> choose(const StickMount& mount, bool uploaded);
   /// Finds the best ways up of what is offered.
   Status propose(const StickMount& mount, StickOffer& offer);
-  /// Tells what the checks found, then refuses the job, asks a person or goes on, as the policy and the board file say.
-  /// @param masks  to look at meanwhile; may be null
-  /// @returns whether to go on
-  Expected<bool> accept(const PrintGrid& grid, const StackFindings& findings, OfferedContract& offered,
-                        const CheckPolicy& policy, OfferedMasks* masks);
+  using MakeContract = std::function<Expected<Contract>(const PrintProfile& profile)>;
+  using MakeMasks = std::function<Expected<std::unique_ptr<OfferedMasks>>(const PrintPlan& plan)>;
+  /// Tells what will be done and what the checks found, then refuses the job, asks a person or goes on, as profile and board file say.
+  /// @param profile  gets what the person changes
+  /// @param masks    to look at meanwhile
+  /// @returns the contract to carry out; none: nobody wants that, and the state says why
+  Expected<std::optional<Contract>> agree(std::string_view name, const PrintGrid& grid, const StackFindings& findings,
+                                          PrintProfile& profile, const MakeContract& make, const MakeMasks& masks);
   /// Prepares a session to print what was read, if somebody wants it.
-  Expected<bool> prepare_scan(PrintSession& session, ReadJob& job);
+  Expected<bool> prepare(PrintSession& session, ReadJob& job, const SlicedScan& sliced);
   /// The same for an archive that was copied; a child checks it first. The job's profile gets the archive's exposures.
-  Expected<bool> prepare_archive(PrintSession& session, ReadJob& job);
+  Expected<bool> prepare(PrintSession& session, ReadJob& job, JobStore::Received& archive);
   /// Writes reports onto the stick if it asks for them. What goes wrong is only said.
   /// @returns whether it asks
   bool store_reports();
@@ -94,6 +102,7 @@ class PrinterDaemon {
   void print(PrintSession& session, const PrintProfile& profile);
   void keep_fault(FaultCode code, std::string_view finding);
   void refuse(const Error& error, FaultCode code);
+  PortState& last_port() { return commands_.of_upload ? upload_ : stick_; }  ///< of the last job
 
   Machine& machine_;
   const DaemonSettings& settings_;
@@ -107,12 +116,11 @@ class PrinterDaemon {
   ChildLayerDecoder decoder_;
   Answers answers_;
   FaultCode fault_ = FaultCode::kNone;
-  Uploads* uploads_;
+  Uploads& uploads_;
   std::optional<StickJob> printed_;  ///< the last job; none: it came from a job file, or there was none
   DaemonCommands commands_;          ///< knows what is offered, and whether the last job was that of an upload
-  bool upload_served_ = true;        ///< the uploaded scan is offered when it comes, and when somebody asks
-  bool served_ = false;              ///< the stick in the port has been printed, refused or declined
-  bool told_ready_ = false;          ///< since the printer has become idle
+  PortState stick_ = PortState::kNew;
+  PortState upload_ = PortState::kServed;  ///< a scan that comes is offered first: Uploads::is_new()
 };
 
 }  // namespace plumbline

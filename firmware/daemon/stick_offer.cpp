@@ -33,7 +33,7 @@ tl::unexpected<Error> nothing_on(const StickScans& scans) {
 }  // namespace
 
 Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slicing, const DaemonSettings& settings,
-                                      StateRecorder& recorder, bool uploaded, const StickJob* printed) {
+                                      StateRecorder& recorder, bool uploaded, const std::optional<StickJob>& printed) {
   const auto look = [&] { return slicing.look(mount); };
   // After a print the folder from which it came is still open.
   auto scans = list_scans(mount, uploaded ? std::string() : recorder.folder(), look);
@@ -59,7 +59,7 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
     return nothing_on(offer.scans_);
   } else {
     offer.job_.scans = offer.files_of(0);
-    for (std::size_t i = 0; known && printed != nullptr && i < offer.choices(); ++i) {
+    for (std::size_t i = 0; known && printed && i < offer.choices(); ++i) {
       if (offer.files_of(i) != printed->scans) continue;
       offer.chosen_ = i;
       offer.job_ = *printed;

@@ -25,12 +25,12 @@ class StickOffer {
  public:
   /// Reads what a stick or the store of uploads has. Both settings and recorder must outlive the offer.
   /// @param uploaded  it is the store
-  /// @param printed   the last job that was printed: the same scan of the same stick is offered with its settings. None: nullptr
+  /// @param printed   the last job that was printed: the same scan of the same stick is offered with its settings
   /// @retval the errors of list_scans(), of ScanSlicing::read_job() and of find_files()
   /// @retval ErrorCode::kNoPoints  there is no scan
   [[nodiscard]] static Expected<StickOffer> read(const StickMount& mount, ScanSlicing& slicing,
                                                  const DaemonSettings& settings, StateRecorder& recorder, bool uploaded,
-                                                 const StickJob* printed);
+                                                 const std::optional<StickJob>& printed);
 
   const StickJob& job() const { return job_; }
   /// Scans and series to choose from; 1 if a job file says what is printed.

@@ -171,7 +171,8 @@ class DaemonRig {
     Machine machine = machine_->machine();
     DaemonSettings settings{session_board(), rig_machine(), board_path, {}, {}, 1, patience};
     settings.machine.start = start;
-    PrinterDaemon daemon(machine, settings, child, arena, *store, *remembered, user, record);
+    Uploads uploads(UploadStore::open(folder / ".", 0).value(), record);
+    PrinterDaemon daemon(machine, settings, child, arena, *store, *remembered, user, record, uploads);
     const auto served = daemon.run();
     fault = daemon.fault();
     return served;
