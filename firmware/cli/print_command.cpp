@@ -19,7 +19,6 @@
 #include "firmware/messages/told_text.hpp"
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/print_summary.hpp"
-#include "firmware/print/sliced_contract.hpp"
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
 #include "firmware/settings/print_values.hpp"
@@ -169,9 +168,21 @@ Status accept_doubts(const Contract& contract, const std::string& name, const Pr
   return fail(ErrorCode::kBadSetting, "%s.\t%s", all.c_str(), advice.c_str());
 }
 
-/// @param profile  gets the archive's values, and above them the person's
-Status make_archive_ready(const PrintOptions& options, const JobSetup& setup, const Printer& printer, JobStore* store,
-                          PrintProfile& profile, PrintSession& session, TerminalJob& terminal) {
+/// Says what the checks have found in the masks, and draws it if somebody wants that.
+void tell_issues(const PrintOptions& options, const std::string& name, const StackFindings& findings,
+                 const PrintGrid& grid, const RRep& rrep, const Supports& supports, const CheckPolicy& policy,
+                 TerminalJob& terminal) {
+  for_each_issue(findings, grid, policy,
+                 [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
+  if (rrep.first.empty()) return;
+  const auto written = write_issues_file(options.issues, {name, grid, findings}, rrep, supports, terminal.arena());
+  if (!written) terminal.warn("no picture of the issues: " + std::string(written.error().message()));
+}
+
+/// @param printer  its profile gets the archive's values, and above them the person's
+Expected<Printable> read_archive(const PrintOptions& options, const JobSetup& setup, Printer& printer, JobStore* store,
+                                 TerminalJob& terminal) {
+  PrintProfile& profile = printer.profile;
   const std::string& path = options.job.scans[0];
   PLUMBLINE_TRY(check_archive_options(options));
   auto archive = open_archive(path, store, terminal);
@@ -188,50 +199,46 @@ Status make_archive_ready(const PrintOptions& options, const JobSetup& setup, co
   auto with_archives = profile_of(profile, sliced->settings, name, options.by_person());
   PLUMBLINE_TRY(with_archives);
   profile = std::move(*with_archives);
-  for_each_issue(sliced->findings, sliced->grid, profile.checks,
-                 [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
-  if (!sliced->rrep.first.empty()) {
-    const auto written =
-        write_issues_file(options.issues, {name, sliced->grid, sliced->findings}, sliced->rrep, Supports{}, arena);
-    if (!written) terminal.warn("no picture of the issues: " + std::string(written.error().message()));
-  }
+  tell_issues(options, name, sliced->findings, sliced->grid, sliced->rrep, Supports{}, profile.checks, terminal);
   arena.release_bottom(sliced->layers_end);
   PLUMBLINE_TRY(judge(sliced->findings, sliced->grid, profile.checks));
   const auto contract = contract_of(*sliced, profile, printer.machine);
   PLUMBLINE_TRY(contract);
   PLUMBLINE_TRY(accept_doubts(*contract, name, options, terminal));
-  return session.take(*sliced, name, profile.name, *contract, std::move(archive->file), archive->hash);
+  return printable_of(*sliced, name, profile.name, *contract, std::move(archive->file), archive->hash);
 }
 
 bool is_archive(const PrintOptions& options) {
   return options.job.scans.size() == 1 && is_archive_name(options.job.scans[0]);
 }
 
-Status make_ready(const PrintOptions& options, const JobSetup& setup, Printer& printer, JobStore* store,
-                  PrintSession& session, TerminalJob& terminal) {
-  if (options.resume) return session.load();
-  if (is_archive(options)) {
-    return make_archive_ready(options, setup, printer, store, printer.profile, session, terminal);
-  }
+Expected<Printable> slice_scan(const PrintOptions& options, const JobSetup& setup, const Printer& printer,
+                               TerminalJob& terminal) {
   const auto supports = options.supports.over(printer.profile.supports_enable, printer.profile.supports);
   PLUMBLINE_TRY(supports);
   const auto scan = ScanFiles::open(options.job.scans);
   PLUMBLINE_TRY(scan);
   SliceSettings settings = slice_settings(setup, *supports);
   tell_checks(printer.profile, printer.machine, settings);
-  const auto accept = [&](const Contract& contract) {
-    return accept_doubts(contract, scan->title(), options, terminal);
-  };
-  PLUMBLINE_TRY(
-      session.slice_scan(scan->sources(), settings, *supports, printer.profile, &terminal.progress(), accept));
-  for_each_remark(session.sliced(),
+  auto printable = slice_printable(scan->sources(), settings, *supports, printer.profile, printer.machine,
+                                   terminal.arena(), &terminal.progress());
+  PLUMBLINE_TRY(printable);
+  PLUMBLINE_TRY(accept_doubts(printable->facts.contract, scan->title(), options, terminal));
+  for_each_remark(printable->slice,
                   [&](const Told& told, std::string_view remark) { terminal.warn(at_terminal(told, remark).view()); });
-  for_each_issue(*session.findings(), session.grid(), printer.profile.checks,
-                 [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
-  const auto written = write_issues_file(options.issues, {scan->title(), session.grid(), *session.findings()},
-                                         session.rrep(), session.supports(), terminal.arena());
-  if (!written) terminal.warn("no picture of the issues: " + std::string(written.error().message()));
-  return {};
+  const MaskParts& parts = printable->parts;
+  tell_issues(options, scan->title(), *printable->findings, parts.rrep.grid, parts.rrep, parts.supports,
+              printer.profile.checks, terminal);
+  return printable;
+}
+
+Status make_ready(const PrintOptions& options, const JobSetup& setup, Printer& printer, JobStore* store,
+                  PrintSession& session, TerminalJob& terminal) {
+  if (options.resume) return session.load();
+  auto printable = is_archive(options) ? read_archive(options, setup, printer, store, terminal)
+                                       : slice_scan(options, setup, printer, terminal);
+  PLUMBLINE_TRY(printable);
+  return session.take(std::move(*printable));
 }
 
 Status write_results(const PrintOptions& options, const PrintOutcome& outcome) {

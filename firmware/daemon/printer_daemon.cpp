@@ -13,7 +13,6 @@
 #include "firmware/daemon/stick_request.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/messages/told_text.hpp"
-#include "firmware/print/sliced_contract.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
 #include "slicer/core/words/plural.hpp"
@@ -286,7 +285,7 @@ Expected<std::optional<Contract>> PrinterDaemon::agree(std::string_view name, co
   return *contract;
 }
 
-Expected<bool> PrinterDaemon::prepare(PrintSession& session, ReadJob& job, const SlicedScan& sliced) {
+Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, const SlicedScan& sliced) {
   const std::string_view name = job.request.name.view();
   const auto contract = agree(
       name, sliced.rrep.grid, sliced.findings, job.profile,
@@ -295,11 +294,11 @@ Expected<bool> PrinterDaemon::prepare(PrintSession& session, ReadJob& job, const
       },
       [&](const PrintPlan& plan) { return OfferedScanMasks::create(sliced, plan, arena_); });
   PLUMBLINE_TRY(contract);
-  if (*contract) PLUMBLINE_TRY(session.take(sliced, name, job.profile.name, **contract));
-  return contract->has_value();
+  if (!*contract) return std::nullopt;
+  return printable_of(sliced, name, job.profile.name, **contract);
 }
 
-Expected<bool> PrinterDaemon::prepare(PrintSession& session, ReadJob& job, JobStore::Received& archive) {
+Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, JobStore::Received& archive) {
   const std::string_view name = job.request.name.view();
   const auto sliced = slicing_.check(archive.file.get(), job.request);
   PLUMBLINE_TRY(sliced);
@@ -315,9 +314,8 @@ Expected<bool> PrinterDaemon::prepare(PrintSession& session, ReadJob& job, JobSt
         return OfferedArchiveMasks::create(archive.file.get(), name, *sliced, plan, decoder_, arena_);
       });
   PLUMBLINE_TRY(contract);
-  if (!*contract) return false;
-  PLUMBLINE_TRY(session.take(*sliced, name, job.profile.name, **contract, std::move(archive.file), archive.hash));
-  return true;
+  if (!*contract) return std::nullopt;
+  return printable_of(*sliced, name, job.profile.name, **contract, std::move(archive.file), archive.hash);
 }
 
 bool PrinterDaemon::store_reports() {
@@ -406,12 +404,20 @@ Expected<PrinterDaemon::ReadJob> PrinterDaemon::read_job(const StickMount& mount
 
 /// Prints what was read, unless its checks or somebody who is asked about them forbid it.
 Status PrinterDaemon::print_job(PrintSession& session, ReadJob job) {
-  session.set_id(record_.job_id);
-  for (const RequestedFile& file : job.request.files()) session.add_scan_file(file.name.view());
-  const auto ready = std::visit([&](auto& scan) { return prepare(session, job, scan); }, job.scan);
-  if (!ready || !*ready) store_.drop_received();
-  PLUMBLINE_TRY(ready);
-  if (!*ready) return {};
+  const auto take = [&]() -> Expected<bool> {
+    auto wanted = std::visit([&](auto& scan) { return prepare(job, scan); }, job.scan);
+    PLUMBLINE_TRY(wanted);
+    if (!*wanted) return false;
+    JobFacts& facts = (*wanted)->facts;
+    facts.print_id = record_.job_id;
+    for (const RequestedFile& file : job.request.files()) facts.add_file(file.name.view());
+    PLUMBLINE_TRY(session.take(**std::move(wanted)));
+    return true;
+  };
+  const auto taken = take();
+  if (!taken || !*taken) store_.drop_received();
+  PLUMBLINE_TRY(taken);
+  if (!*taken) return {};
   apply(PrintEvent::kSliced);
   printed_ = std::move(job.offered);
   print(session, job.profile);

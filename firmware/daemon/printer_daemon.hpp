@@ -91,10 +91,10 @@ class PrinterDaemon {
   /// @returns the contract to carry out; none: nobody wants that, and the state says why
   Expected<std::optional<Contract>> agree(std::string_view name, const PrintGrid& grid, const StackFindings& findings,
                                           PrintProfile& profile, const MakeContract& make, const MakeMasks& masks);
-  /// Prepares a session to print what was read, if somebody wants it.
-  Expected<bool> prepare(PrintSession& session, ReadJob& job, const SlicedScan& sliced);
-  /// The same for an archive that was copied; a child checks it first. The job's profile gets the archive's exposures.
-  Expected<bool> prepare(PrintSession& session, ReadJob& job, JobStore::Received& archive);
+  /// @returns what to print of a job; none: nobody wants it
+  Expected<std::optional<Printable>> prepare(ReadJob& job, const SlicedScan& sliced);
+  /// The same of an archive that was copied; a child checks it first. The job's profile gets the archive's exposures.
+  Expected<std::optional<Printable>> prepare(ReadJob& job, JobStore::Received& archive);
   /// Writes reports onto the stick if it asks for them. What goes wrong is only said.
   /// @returns whether it asks
   bool store_reports();

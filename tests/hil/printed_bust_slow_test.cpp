@@ -29,7 +29,7 @@ class PrintedBustSlow : public testing::Test {
     auto scan = FileSource::open(folder / "bust.ply");
     ASSERT_TRUE(scan);
     const auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
-    const auto sliced = session.slice_scan(*scan, slicing_for(board), supports, profile, nullptr);
+    const auto sliced = slice_into(session, *scan, slicing_for(board), supports, profile, *board.machine, arena);
     ASSERT_TRUE(sliced) << sliced.error().message();
     Machine machine = run.machine();
     Silent observer;

@@ -48,6 +48,16 @@ inline SliceSettings slicing_for(const BoardFile& board) {
   return settings;
 }
 
+/// Slices a scan, and has a session take it.
+inline Status slice_into(PrintSession& session, ByteSource& scan, const SliceSettings& settings,
+                         const std::optional<SupportSettings>& supports, const PrintProfile& profile,
+                         const MachineFile& machine, Arena& arena, ProgressSink* progress = nullptr) {
+  ByteSource* const one[] = {&scan};
+  auto printable = slice_printable(one, settings, supports, profile, machine, arena, progress);
+  PLUMBLINE_TRY(printable);
+  return session.take(std::move(*printable));
+}
+
 /// Ignores the print.
 class Silent final : public PrintObserver {
  public:

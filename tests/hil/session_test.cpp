@@ -43,7 +43,7 @@ TEST(Session, CancelledWhileCountingResinStoresNothing) {
     // A short span forces supports. Without supports slicing would already have counted the pixels.
     SupportSettings supports;
     supports.overhang_span = 0.4;
-    const auto sliced = session.slice_scan(*source, slicing_for(board), supports, *profile, &progress);
+    const auto sliced = slice_into(session, *source, slicing_for(board), supports, *profile, machine, arena, &progress);
     ASSERT_FALSE(sliced);
     EXPECT_EQ(sliced.error().code(), ErrorCode::kCancelled);
     EXPECT_THAT(sliced.error().message(), HasSubstr("at layer 3 of"));
@@ -66,7 +66,8 @@ class StoredSession : public testing::Test {
     auto source = FileSource::open(folder_ / "ball.ply");
     ASSERT_TRUE(source);
     const auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
-    const auto sliced = session.slice_scan(*source, slicing_for(board_), std::nullopt, profile, nullptr);
+    const auto sliced =
+        slice_into(session, *source, slicing_for(board_), std::nullopt, profile, *board_.machine, arena);
     ASSERT_TRUE(sliced) << sliced.error().message();
   }
   Status load(const std::string& state, const BoardFile& board) {

@@ -63,7 +63,7 @@ TEST(Soak, ThreeThousandLayersOnThe4kPanel) {
   settings.placement.layer_height_mm = 0.025F;
   auto profile = rig_profile();
   // Without supports the peel tears the ball off its tip.
-  const auto sliced = session.slice_scan(*scan, settings, SupportSettings(), profile, nullptr);
+  const auto sliced = slice_into(session, *scan, settings, SupportSettings(), profile, *board.machine, arena);
   ASSERT_TRUE(sliced) << sliced.error().message();
   EXPECT_GE(session.grid().layers, 3000U);
 

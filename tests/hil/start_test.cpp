@@ -186,7 +186,7 @@ TEST(Start, APrintThatWasStoredAndNotBegunIsNotInterrupted) {
     const MachineFile machine = rig_machine();
     PrintSession session(board, machine, rig.arena, &*store);
     auto scan = FileSource::open(rig.stick() + "/ball.ply");
-    ASSERT_TRUE(session.slice_scan(*scan, slicing_for(board), std::nullopt, rig_profile(), nullptr));
+    ASSERT_TRUE(slice_into(session, *scan, slicing_for(board), std::nullopt, rig_profile(), machine, rig.arena));
     ASSERT_TRUE(store->has_job()) << "the power goes here";
   }
   rig.press_at("ball.ply. Press start", EventKind::kShutdownRequested);

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "firmware/io/hash64.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 
@@ -27,6 +28,8 @@ ShortName short_name(std::string_view text) { return filled<std::tuple_size_v<Sh
 FileName file_name(std::string_view text) { return filled<std::tuple_size_v<FileName>>(text); }
 std::string_view view(const ShortName& name) { return text_in(name); }
 std::string_view view(const FileName& name) { return text_in(name); }
+
+void JobFacts::add_file(std::string_view name) { files[file_count++] = file_name(PrintableText(name, 79).view()); }
 
 std::uint64_t hash_of(const BoardFile& board) {
   Hash64 hash;

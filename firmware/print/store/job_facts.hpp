@@ -34,7 +34,10 @@ struct JobFacts {
   MaskTurn turn;                   ///< of an archive's layers
   Contract contract;
   std::uint32_t file_count = 0;                 ///< of the scan; at most kMostScans
-  std::array<FileName, kMostScans> files = {};  ///< their names
+  std::array<FileName, kMostScans> files = {};  ///< their names; longer ones are cut
+
+  /// @pre called at most kMostScans times
+  void add_file(std::string_view name);
 };
 
 /// Hash of the values of a board file that masks and heights depend on. Layout and comments do not count.

@@ -47,7 +47,7 @@ TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
   const SliceSettings slicing = slicing_for(board);
 
   HeapTrap trap;
-  const auto sliced = session.slice_scan(*scan, slicing, SupportSettings(), profile, nullptr);
+  const auto sliced = slice_into(session, *scan, slicing, SupportSettings(), profile, machine_file, arena);
   const PrintReport report = sliced ? session.print(machine, observer) : PrintReport();
   const HeapUse use = trap.disarm();
 

@@ -222,7 +222,7 @@ class PrintingFailure : public ::testing::Test {
     {
       PrintSession session(board_, machine_file_, arena, &*store);
       const FailingCall call(calls, nth, failure);
-      const auto ready = session.slice_scan(*scan, slicing_, std::nullopt, rig_profile(), nullptr);
+      const auto ready = slice_into(session, *scan, slicing_, std::nullopt, rig_profile(), machine_file_, arena);
       happened_ = call.happened();
       if (!ready) {
         EXPECT_FALSE(store->has_job());
@@ -330,7 +330,7 @@ TEST_F(PrintingFailure, OfThePowerLosesNothingOfWhatWasStored) {
   Arena arena(block);
   PrintSession session(board_, machine_file_, arena, &*store);
   const FailingCall counted(Calls::kAll, 0, Failure::kPowerCut);
-  ASSERT_TRUE(session.slice_scan(*scan, slicing_, std::nullopt, rig_profile(), nullptr));
+  ASSERT_TRUE(slice_into(session, *scan, slicing_, std::nullopt, rig_profile(), machine_file_, arena));
   EXPECT_EQ(not_durable() + names_not_durable(), 0U) << "job, journal and their names";
   DurabilityObserver observer;
   const auto& report = session.print(machine, observer);

@@ -12,7 +12,7 @@
 #include <random>
 
 #include "firmware/print/print_session.hpp"
-#include "firmware/print/sliced_contract.hpp"
+#include "firmware/print/printable.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
 #include "hal/sim/sim_machine.hpp"
 #include "tests/firmware/support/failing_calls.hpp"
@@ -133,7 +133,7 @@ class TankKills : public ::testing::Test {
       sliced.findings.voxels = tower.pixels();
       const PrintProfile profile = rig_profile();
       const auto contract = contract_of(sliced, {}, profile, machine);
-      if (!contract || !session.take(sliced, "tower", profile.name, *contract)) ::_exit(6);
+      if (!contract || !session.take(printable_of(sliced, "tower", profile.name, *contract))) ::_exit(6);
     }
     const PrintReport& report = session.print(devices, user, &*record);
     look(plant);
