@@ -132,8 +132,13 @@ class DaemonLog final : public DaemonObserver {
     // The part is on the plate, so a report that can't be written is only logged.
     if (const auto told = write_print_summary(out, outcome, report_path(options_), false); !told)
       say(told.error().message());
-    if (const auto kept = write_report(outcome); !kept) say(kept.error().message());
-    if (const auto kept = keep(outcome); !kept) say(kept.error().message());
+    const auto write = [&outcome](TextSink& to) {
+      JsonWriter json(to);
+      write_print_report(json, outcome);
+      return json.finish();
+    };
+    if (const auto kept = write_whole_file(report_path(options_).c_str(), write); !kept) say(kept.error().message());
+    if (const auto kept = keep(outcome, write); !kept) say(kept.error().message());
     if (++jobs_ == options_.jobs) end();
   }
   void idle() override { look_around(); }
@@ -153,15 +158,9 @@ class DaemonLog final : public DaemonObserver {
   }
 
  private:
-  Status write_report(const PrintOutcome& outcome) const {
-    return write_whole_file(report_path(options_).c_str(), [&outcome](TextSink& out) {
-      JsonWriter json(out);
-      write_print_report(json, outcome);
-      return json.finish();
-    });
-  }
   /// Keeps the report and the preview with those of the prints before.
-  Status keep(const PrintOutcome& outcome) {
+  /// @param write  writes the report
+  Status keep(const PrintOutcome& outcome, FunctionRef<Status(TextSink&)> write) {
     KeptPrint print;
     print.result = static_cast<std::uint32_t>(outcome.report.state);
     print.layers = outcome.report.layers;
@@ -176,14 +175,7 @@ class DaemonLog final : public DaemonObserver {
       png = encoder_.encode(preview.bytes(), preview.columns, preview.rows, PreviewPicture::kChannels);
       if (png.size() > PictureLine::kMostPng) png = {};
     }
-    return prints_.keep(
-        print,
-        [&outcome](TextSink& out) {
-          JsonWriter json(out);
-          write_print_report(json, outcome);
-          return json.finish();
-        },
-        png);
+    return prints_.keep(print, write, png);
   }
   void look_around() {
     look_for_signals();

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/settings/print_values.hpp"
 
@@ -20,6 +21,29 @@ void OfferedContract::tell() const {
   recorder_.contracted(contract_);
   for_each_doubt(contract_, name_,
                  [this](const Told& told, std::string_view sentence) { recorder_.warn(sentence, told); });
+}
+
+Expected<bool> OfferedContract::ask(std::string_view found, Answers& answers) {
+  put_ = [this, found] {
+    FixedText<512> text;
+    for_each_doubt(contract_, name_, [&text](const Told&, std::string_view sentence) {
+      text.add("%.*s. ", static_cast<int>(sentence.size()), sentence.data());
+    });
+    if (!found.empty()) text.add("Found in the layers: %.*s. ", static_cast<int>(found.size()), found.data());
+    const bool doubtful = !text.view().empty();
+    if (!doubtful) text.add("%s. ", size_line(contract_).c_str());
+    text.add("Press start to print it%s, or cancel", doubtful ? " all the same" : "");
+    recorder_.say(text.view());
+  };
+  answers.put();
+  put_();
+  while (!answers.shutdown()) {
+    const auto answer = answers.ask();
+    PLUMBLINE_TRY(answer);
+    if (*answer == EventKind::kStartPressed) return true;
+    if (*answer == EventKind::kCancelPressed) break;
+  }
+  return false;
 }
 
 Status OfferedContract::set(std::string_view key, std::string_view value) {
@@ -44,7 +68,7 @@ Status OfferedContract::set(std::string_view key, std::string_view value) {
   contract_ = *contract;
   recorder_.ask_about_other();
   tell();
-  if (changed) changed();
+  if (put_) put_();
   return {};
 }
 

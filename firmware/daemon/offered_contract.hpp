@@ -3,6 +3,7 @@
 #include <functional>
 #include <string_view>
 
+#include "firmware/daemon/answers.hpp"
 #include "firmware/daemon/state_recorder.hpp"
 #include "firmware/print/contract/contract.hpp"
 #include "firmware/settings/print_profile.hpp"
@@ -24,10 +25,10 @@ class OfferedContract {
 
   /// Shows the contract, and says what is doubtful about it.
   void tell() const;
-  const Contract& contract() const { return contract_; }
-  std::string_view name() const { return name_; }
-  /// Called when it has changed.
-  std::function<void()> changed;
+  /// Asks a person whether to print it, with what is doubtful about it.
+  /// @param found  in its layers, that is asked about; empty: nothing
+  /// @returns false: it was declined, or the system shuts down
+  [[nodiscard]] Expected<bool> ask(std::string_view found, Answers& answers);
 
   /// Changes a value. "" sets it back to what it was before any person changed it.
   /// @retval ErrorCode::kBadSetting  no such value, or out of range, or the printer can't do it; nothing has changed
@@ -40,6 +41,7 @@ class OfferedContract {
   const PrintProfile before_;
   std::function<Expected<Contract>(const PrintProfile&)> remake_;
   StateRecorder& recorder_;
+  std::function<void()> put_;  ///< puts the question anew, once it is asked
 };
 
 }  // namespace plumbline

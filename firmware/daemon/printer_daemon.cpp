@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "firmware/daemon/issue_question.hpp"
 #include "firmware/daemon/offered_archive.hpp"
 #include "firmware/daemon/scan_glances.hpp"
 #include "firmware/daemon/stick/stick_reports.hpp"
@@ -15,6 +14,7 @@
 #include "firmware/messages/told_text.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
+#include "firmware/slice/issue_report.hpp"
 #include "slicer/core/words/plural.hpp"
 
 namespace plumbline {
@@ -261,20 +261,24 @@ Expected<std::optional<Contract>> PrinterDaemon::agree(std::string_view name, co
   const auto to_look_at = masks(contract->plan);
   OfferedContract offered(name, *contract, profile, make, observer_);
   offered.tell();
-  const IssueQuestion question(findings, grid, profile.checks);
-  question.tell(observer_);
-  if (question.action() == CheckAction::kRefuse) {
-    refuse(question.refusal(), FaultCode::kIssueFound);
+  for_each_issue(findings, grid, profile.checks, [&](IssueKind kind, CheckAction, std::string_view sentence) {
+    observer_.warn(sentence, told_issue(kind, findings, grid));
+  });
+  const CheckAction action = verdict(findings, profile.checks);
+  if (action == CheckAction::kRefuse) {
+    refuse(judge(findings, grid, profile.checks, false).error(), FaultCode::kIssueFound);
     return std::nullopt;
   }
-  const bool asks = question.action() == CheckAction::kAsk || settings_.machine.start == StartChoice::kAfterPreview ||
-                    contract->doubts != 0;
+  const bool asks =
+      action == CheckAction::kAsk || settings_.machine.start == StartChoice::kAfterPreview || contract->doubts != 0;
   if (asks) {
     apply(PrintEvent::kJobOffered);
     commands_.contract = &offered;
     commands_.masks = to_look_at ? to_look_at->get() : nullptr;
     record_.has_masks = to_look_at.has_value();
-    const auto accepted = question.ask(offered, answers_, observer_);
+    Sentence found;
+    if (action == CheckAction::kAsk) found = issue_counts(findings, profile.checks, CheckAction::kAsk);
+    const auto accepted = offered.ask(found.view(), answers_);
     commands_.contract = nullptr;
     commands_.masks = nullptr;
     record_.has_masks = false;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <span>
 
 #include "firmware/io/hash64.hpp"
 #include "slicer/core/words/printable_text.hpp"
@@ -18,16 +17,13 @@ std::array<char, Size> filled(std::string_view text) {
   return name;
 }
 
-std::string_view text_in(std::span<const char> name) {
-  return {name.data(), static_cast<std::size_t>(std::find(name.begin(), name.end(), '\0') - name.begin())};
-}
-
 }  // namespace
 
 ShortName short_name(std::string_view text) { return filled<std::tuple_size_v<ShortName>>(text); }
 FileName file_name(std::string_view text) { return filled<std::tuple_size_v<FileName>>(text); }
-std::string_view view(const ShortName& name) { return text_in(name); }
-std::string_view view(const FileName& name) { return text_in(name); }
+std::string_view view(std::span<const char> name) {
+  return {name.data(), static_cast<std::size_t>(std::find(name.begin(), name.end(), '\0') - name.begin())};
+}
 
 void JobFacts::add_file(std::string_view name) { files[file_count++] = file_name(PrintableText(name, 79).view()); }
 

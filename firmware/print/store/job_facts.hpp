@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 #include "firmware/pictures/mask_decoder.hpp"
@@ -15,12 +16,11 @@ namespace plumbline {
 /// A short text of fixed size, cut if it is longer, filled with 0 if it is shorter.
 using ShortName = std::array<char, 64>;
 ShortName short_name(std::string_view text);
-std::string_view view(const ShortName& name);
-
 /// The name of one file of a scan, the same way.
 using FileName = std::array<char, 80>;
 FileName file_name(std::string_view text);
-std::string_view view(const FileName& name);
+
+std::string_view view(std::span<const char> name);
 
 /// Everything about a print except what its masks are made of. Stored byte for byte, so it holds no pointers.
 struct JobFacts {
