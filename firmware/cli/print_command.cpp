@@ -20,7 +20,7 @@
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/print_summary.hpp"
 #include "firmware/print/status/print_lines.hpp"
-#include "firmware/print/store/interrupted_print.hpp"
+#include "firmware/print/store/machine_record.hpp"
 #include "firmware/settings/print_values.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "firmware/pictures/preview/preview_page.hpp"
-#include "firmware/print/layer_crossings.hpp"
+#include "firmware/print/sliced_archive.hpp"
 
 namespace plumbline {
 namespace {

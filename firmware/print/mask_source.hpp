@@ -2,7 +2,11 @@
 /// Where the masks of a print come from.
 
 #include <cstdint>
+#include <span>
+#include <string>
 
+#include "firmware/archive/layer_archive.hpp"
+#include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
@@ -29,6 +33,58 @@ class StreamMasks final : public MaskSource {
 
  private:
   MaskStream stream_;
+};
+
+/// Decodes a layer of an archive.
+class LayerDecoder {
+ public:
+  virtual ~LayerDecoder() = default;
+  /// Called once before the first decode() of a print.
+  /// @param arena  what it needs is taken from the top
+  [[nodiscard]] virtual Status prepare(const PrintGrid& /*grid*/, Arena& /*arena*/) { return {}; }
+  /// @param file  the archive's descriptor
+  /// @param out   overwritten, also after an error
+  /// @retval any error of read_archive_layer()
+  [[nodiscard]] virtual Status decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
+                                      BitImage out) = 0;
+};
+
+/// In this process.
+class OwnLayerDecoder final : public LayerDecoder {
+ public:
+  Status decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
+                BitImage out) override {
+    return read_archive_layer(file, name, layer, turn, out);
+  }
+};
+
+class ArchiveMasks final : public MaskSource {
+ public:
+  /// Takes a mask from the bottom of the arena.
+  /// @param file     a descriptor; must stay open
+  /// @param layers   with their hashes; must outlive this, as must the decoder
+  /// @retval ErrorCode::kOutOfMemory
+  [[nodiscard]] static Expected<ArchiveMasks> create(int file, std::string_view name, const PrintGrid& grid,
+                                                     std::span<const ArchiveLayer> layers, const MaskTurn& turn,
+                                                     LayerDecoder& decoder, Arena& arena);
+
+  const PrintGrid& grid() const override { return grid_; }
+  /// @retval any error of the decoder
+  /// @retval ErrorCode::kMalformed  the mask is not the one that was checked
+  Expected<ConstBitImage> mask(std::uint32_t layer) override;
+
+ private:
+  ArchiveMasks(int file, std::string_view name, const PrintGrid& grid, std::span<const ArchiveLayer> layers,
+               const MaskTurn& turn, LayerDecoder& decoder, BitImage image)
+      : file_(file), name_(name), grid_(grid), layers_(layers), turn_(turn), decoder_(&decoder), image_(image) {}
+
+  int file_;
+  std::string name_;
+  PrintGrid grid_;
+  std::span<const ArchiveLayer> layers_;
+  MaskTurn turn_;
+  LayerDecoder* decoder_;
+  BitImage image_;
 };
 
 }  // namespace plumbline

@@ -9,7 +9,7 @@
 #include "firmware/print/print_checks.hpp"
 #include "firmware/print/print_watch.hpp"
 #include "firmware/print/resume_check.hpp"
-#include "firmware/print/status/state_lights.hpp"
+#include "firmware/print/status/print_state.hpp"
 #include "firmware/print/tank_fill.hpp"
 
 namespace plumbline {

@@ -5,8 +5,8 @@
 #include <span>
 #include <variant>
 
-#include "firmware/print/archive_masks.hpp"
 #include "firmware/print/mask_renderer.hpp"
+#include "firmware/print/mask_source.hpp"
 #include "firmware/print/plan/print_settings.hpp"
 #include "firmware/print/printable.hpp"
 #include "firmware/print/status/print_observer.hpp"

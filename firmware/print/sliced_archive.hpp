@@ -1,6 +1,7 @@
 #pragma once
 /// A print that somebody else has sliced, looked through before it is printed.
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -9,7 +10,9 @@
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/arena.hpp"
+#include "slicer/core/bit_image.hpp"
 #include "slicer/core/function_ref.hpp"
+#include "slicer/core/print_grid.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/placement/placement.hpp"
 #include "slicer/rrep/mask_extent.hpp"
@@ -57,5 +60,23 @@ void for_each_remark(const SlicedArchive& sliced, FunctionRef<void(const Told&, 
 /// @retval ErrorCode::kBadSetting  the person asks for another layer height than that of the archive's masks
 [[nodiscard]] Expected<PrintProfile> profile_of(const PrintProfile& printers, const ArchiveSettings& settings,
                                                 std::string_view name, const PrintValues& by_person = {});
+
+/// Collects the pixels that differ from the layer below, as long as there is room: an R-Rep, to draw masks that somebody else has made.
+class LayerCrossings {
+ public:
+  /// Takes what the arena has left at its bottom, but for the pictures' own room.
+  static LayerCrossings make(const PrintGrid& grid, Arena& arena);
+
+  /// @param layer  each layer of the grid, in order
+  /// @param below  the mask before it; empty below the first
+  void next(std::uint32_t layer, ConstBitImage mask, ConstBitImage below);
+  /// @returns an empty one if there was no room for all
+  RRep rrep(const PrintGrid& grid) const;
+
+ private:
+  std::span<std::uint32_t> first_, pixel_;
+  std::size_t count_ = 0;
+  bool fits_ = false;
+};
 
 }  // namespace plumbline

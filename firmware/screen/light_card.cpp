@@ -1,6 +1,6 @@
 #include "firmware/screen/light_card.hpp"
 
-#include "firmware/print/status/state_lights.hpp"
+#include "firmware/print/status/print_state.hpp"
 #include "firmware/screen/screen_parts.hpp"
 
 namespace plumbline {

@@ -12,7 +12,7 @@
 
 #include "firmware/daemon/printer_daemon.hpp"
 #include "firmware/print/print_session.hpp"
-#include "firmware/print/store/interrupted_print.hpp"
+#include "firmware/print/store/machine_record.hpp"
 #include "hal/sim/sim_machine.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/hil/rig.hpp"

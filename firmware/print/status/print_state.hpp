@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "hal/front_panel.hpp"
+
 namespace plumbline {
 
 enum class PrintState : std::uint8_t {
@@ -219,5 +221,14 @@ constexpr PrintState next(PrintState state, PrintEvent event) {
   }
   return PrintState::kFault;
 }
+
+/// What a light of the front panel does in a state.
+LightState light_for(PanelLight light, PrintState state);
+/// Whether the buzzer calls for somebody when a state begins.
+bool calls_the_user(PrintState state);
+
+/// Sets the front panel's lights for a state, and beeps in those that need the user. A panel that fails is ignored: it is no
+/// reason to end a print.
+void show_on_panel(FrontPanel& panel, PrintState state);
 
 }  // namespace plumbline

@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "firmware/io/hash64.hpp"
-#include "firmware/print/store/file_modes.hpp"
 
 namespace plumbline {
 namespace {

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "firmware/io/hash64.hpp"
-#include "firmware/print/store/file_modes.hpp"
 
 namespace plumbline {
 namespace {

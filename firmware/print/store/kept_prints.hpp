@@ -16,7 +16,7 @@
 #include "firmware/io/descriptor.hpp"
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/text/text_sink.hpp"
-#include "firmware/print/store/job_facts.hpp"
+#include "firmware/print/store/job_file.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
 

@@ -1,12 +1,12 @@
 /// The card of lights and buzzer in board/README.md, against what the front panel is told in each state.
 
-#include "firmware/print/status/state_lights.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <fstream>
 #include <string>
+
+#include "firmware/print/status/print_state.hpp"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,6 @@
 
 #include <filesystem>
 
-#include "firmware/print/store/interrupted_print.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {

@@ -13,7 +13,7 @@
 
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/printable.hpp"
-#include "firmware/print/store/interrupted_print.hpp"
+#include "firmware/print/store/machine_record.hpp"
 #include "hal/sim/sim_machine.hpp"
 #include "tests/firmware/support/failing_calls.hpp"
 #include "tests/hil/session_rig.hpp"

@@ -1,4 +1,4 @@
-#include "firmware/print/archive_masks.hpp"
+#include "firmware/print/mask_source.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "firmware/print/archive_masks.hpp"
+#include "firmware/print/mask_source.hpp"
 
 #include "firmware/io/mask_hash.hpp"
 
