@@ -7,8 +7,8 @@
 #include "firmware/child/scan_answer.hpp"
 #include "firmware/child/scan_request.hpp"
 #include "firmware/io/text/fixed_text.hpp"
-#include "firmware/print/sliced_archive.hpp"
-#include "firmware/print/sliced_scan.hpp"
+#include "firmware/print/job/sliced_archive.hpp"
+#include "firmware/print/job/sliced_scan.hpp"
 #include "slicer/core/arena.hpp"
 
 namespace plumbline {

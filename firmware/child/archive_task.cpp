@@ -9,8 +9,8 @@
 #include "firmware/child/shared_progress.hpp"
 #include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/side_pictures.hpp"
-#include "firmware/print/archive_glance.hpp"
-#include "firmware/print/sliced_archive.hpp"
+#include "firmware/print/job/archive_glance.hpp"
+#include "firmware/print/job/sliced_archive.hpp"
 #include "firmware/settings/job_options.hpp"
 
 namespace plumbline {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "firmware/child/slicing_child.hpp"
-#include "firmware/print/mask_source.hpp"
+#include "firmware/print/job/mask_source.hpp"
 #include "slicer/placement/placement.hpp"
 
 namespace plumbline {

@@ -9,7 +9,7 @@
 #include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/orientation_picture.hpp"
 #include "firmware/pictures/side_pictures.hpp"
-#include "firmware/print/sliced_scan.hpp"
+#include "firmware/print/job/sliced_scan.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/orientation_proposals.hpp"

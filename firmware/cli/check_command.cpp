@@ -12,7 +12,7 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/io/version.hpp"
-#include "firmware/print/sliced_scan.hpp"
+#include "firmware/print/job/sliced_scan.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/manifest.hpp"

@@ -14,7 +14,7 @@
 #include "firmware/io/descriptor.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/messages/told_text.hpp"
-#include "firmware/print/sliced_archive.hpp"
+#include "firmware/print/job/sliced_archive.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/proof_report.hpp"
 #include "slicer/checks/stack_checker.hpp"

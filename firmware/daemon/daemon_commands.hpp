@@ -10,7 +10,7 @@
 #include "firmware/daemon/state_recorder.hpp"
 #include "firmware/daemon/stick_offer.hpp"
 #include "firmware/daemon/upload/uploads.hpp"
-#include "firmware/print/store/machine_record.hpp"
+#include "firmware/print/job/machine_record.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "firmware/state/state_socket.hpp"
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "firmware/io/mask_hash.hpp"
-#include "firmware/print/plan/print_plan.hpp"
+#include "firmware/print/job/print_plan.hpp"
 
 namespace plumbline {
 

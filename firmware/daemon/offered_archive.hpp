@@ -10,7 +10,7 @@
 #include "firmware/child/child_layer_decoder.hpp"
 #include "firmware/daemon/offered_masks.hpp"
 #include "firmware/io/text/fixed_text.hpp"
-#include "firmware/print/sliced_archive.hpp"
+#include "firmware/print/job/sliced_archive.hpp"
 
 namespace plumbline {
 

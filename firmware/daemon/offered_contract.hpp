@@ -5,7 +5,7 @@
 
 #include "firmware/daemon/answers.hpp"
 #include "firmware/daemon/state_recorder.hpp"
-#include "firmware/print/contract/contract.hpp"
+#include "firmware/print/job/contract.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/core/error.hpp"
 

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "firmware/pictures/job_pictures.hpp"
-#include "firmware/print/mask_renderer.hpp"
-#include "firmware/print/mask_source.hpp"
-#include "firmware/print/sliced_scan.hpp"
+#include "firmware/print/job/mask_renderer.hpp"
+#include "firmware/print/job/mask_source.hpp"
+#include "firmware/print/job/sliced_scan.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/core/arena.hpp"

@@ -12,8 +12,8 @@
 #include "firmware/daemon/stick_request.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/messages/told_text.hpp"
+#include "firmware/print/job/machine_record.hpp"
 #include "firmware/print/status/print_state.hpp"
-#include "firmware/print/store/machine_record.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/core/words/plural.hpp"
 

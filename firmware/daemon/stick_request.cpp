@@ -1,7 +1,7 @@
 #include "firmware/daemon/stick_request.hpp"
 
 #include "firmware/messages/printer_code.hpp"
-#include "firmware/print/plan/print_plan.hpp"
+#include "firmware/print/job/print_plan.hpp"
 #include "firmware/settings/support_choice.hpp"
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/support_building.hpp"

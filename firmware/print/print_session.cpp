@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "firmware/io/random_id.hpp"
-#include "firmware/print/print_job.hpp"
+#include "firmware/print/loop/print_job.hpp"
 #include "firmware/slice/issue_report.hpp"
 
 namespace plumbline {

@@ -5,13 +5,13 @@
 #include <span>
 #include <variant>
 
-#include "firmware/print/mask_renderer.hpp"
-#include "firmware/print/mask_source.hpp"
-#include "firmware/print/plan/print_settings.hpp"
-#include "firmware/print/printable.hpp"
+#include "firmware/print/job/job_store.hpp"
+#include "firmware/print/job/machine_record.hpp"
+#include "firmware/print/job/mask_renderer.hpp"
+#include "firmware/print/job/mask_source.hpp"
+#include "firmware/print/job/printable.hpp"
+#include "firmware/print/loop/print_settings.hpp"
 #include "firmware/print/status/print_observer.hpp"
-#include "firmware/print/store/job_store.hpp"
-#include "firmware/print/store/machine_record.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "hal/machine.hpp"
 #include "slicer/core/arena.hpp"

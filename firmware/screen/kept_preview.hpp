@@ -6,7 +6,7 @@
 
 #include "firmware/pictures/job_pictures.hpp"
 #include "firmware/pictures/png.hpp"
-#include "firmware/print/store/kept_prints.hpp"
+#include "firmware/print/job/kept_prints.hpp"
 
 namespace plumbline {
 

@@ -13,7 +13,7 @@
 
 #include "firmware/archive/layer_archive.hpp"
 #include "firmware/io/descriptor.hpp"
-#include "firmware/print/archive_glance.hpp"
+#include "firmware/print/job/archive_glance.hpp"
 #include "tests/fuzz/edits.hpp"
 #include "tests/fuzz/require.hpp"
 #include "tests/slicer/support/deflated.hpp"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "firmware/io/hash64.hpp"
-#include "firmware/print/store/job_file.hpp"
+#include "firmware/print/job/job_file.hpp"
 #include "tests/fuzz/edits.hpp"
 #include "tests/fuzz/require.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "firmware/io/hash64.hpp"
-#include "firmware/print/store/journal.hpp"
+#include "firmware/print/job/journal.hpp"
 #include "tests/fuzz/edits.hpp"
 #include "tests/fuzz/require.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "firmware/print/plan/print_plan.hpp"
+#include "firmware/print/job/print_plan.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "tests/fuzz/require.hpp"

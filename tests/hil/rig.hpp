@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/print/mask_renderer.hpp"
-#include "firmware/print/print_job.hpp"
+#include "firmware/print/job/mask_renderer.hpp"
+#include "firmware/print/loop/print_job.hpp"
 #include "firmware/print/print_session.hpp"
 #include "hal/sim/sim_machine.hpp"
 

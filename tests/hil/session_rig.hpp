@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "firmware/daemon/printer_daemon.hpp"
+#include "firmware/print/job/machine_record.hpp"
 #include "firmware/print/print_session.hpp"
-#include "firmware/print/store/machine_record.hpp"
 #include "hal/sim/sim_machine.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/hil/rig.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "firmware/print/plan/print_plan.hpp"
+#include "firmware/print/job/print_plan.hpp"
 #include "firmware/settings/print_profile.hpp"
 
 namespace plumbline {

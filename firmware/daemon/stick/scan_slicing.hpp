@@ -8,7 +8,7 @@
 #include "firmware/child/slicing_child.hpp"
 #include "firmware/daemon/stick/scan_feed.hpp"
 #include "firmware/daemon/stick/stick_task.hpp"
-#include "firmware/print/store/job_store.hpp"
+#include "firmware/print/job/job_store.hpp"
 #include "hal/machine.hpp"
 #include "slicer/core/arena.hpp"
 

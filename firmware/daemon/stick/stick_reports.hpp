@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "firmware/print/store/kept_prints.hpp"
+#include "firmware/print/job/kept_prints.hpp"
 #include "hal/stick_port.hpp"
 #include "slicer/core/error.hpp"
 

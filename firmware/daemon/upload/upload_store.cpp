@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "firmware/messages/printer_code.hpp"
-#include "firmware/print/store/job_store.hpp"
+#include "firmware/print/job/job_store.hpp"
 #include "slicer/core/numbers/mib.hpp"
 
 namespace plumbline {

@@ -4,8 +4,8 @@
 #include <omp.h>
 
 #include "firmware/io/file_source.hpp"
+#include "firmware/print/job/kept_prints.hpp"
 #include "firmware/print/print_session.hpp"
-#include "firmware/print/store/kept_prints.hpp"
 #include "firmware/screen/kept_preview.hpp"
 #include "hal/sim/sim_machine.hpp"
 #include "tests/firmware/support/heap_trap.hpp"

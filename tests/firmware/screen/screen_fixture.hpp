@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "firmware/messages/printer_code.hpp"
-#include "firmware/print/store/kept_prints.hpp"
+#include "firmware/print/job/kept_prints.hpp"
 #include "firmware/screen/kept_preview.hpp"
 #include "firmware/screen/screens.hpp"
 #include "tests/firmware/support/job_fixture.hpp"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/print/plan/print_plan.hpp"
+#include "firmware/print/job/print_plan.hpp"
 
 namespace plumbline {
 namespace {

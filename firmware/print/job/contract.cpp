@@ -1,0 +1,229 @@
+#include "firmware/print/job/contract.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "firmware/io/text/json_writer.hpp"
+#include "firmware/messages/printer_code.hpp"
+#include "firmware/slice/proof_report.hpp"
+#include "hal/uv_lamp.hpp"
+#include "slicer/core/words/plural.hpp"
+#include "slicer/core/words/printable_text.hpp"
+
+namespace plumbline {
+namespace {
+
+double seconds_in(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+double mm_min_in(Speed speed) { return speed.value() * 60; }
+
+bool is_silent(const Contract& contract, PrintKey key) {
+  return contract.is_archive && contract.sources[index_of(key)] == ValueSource::kProfile;
+}
+
+/// "faded_layers 8, exposure_time 2.5 s (profile)": what has the same source as the value behind it shares its brackets.
+class ValueList {
+ public:
+  explicit ValueList(const Contract& contract) : contract_(contract) {}
+
+  void add(PrintKey key) {
+    const PrintField& field = kPrintFields[index_of(key)];
+    const ValueSource source = contract_.sources[index_of(key)];
+    if (source_ && *source_ != source) close();
+    text_.add("%s%.*s %.6g%s", any_ ? ", " : "", static_cast<int>(field.name.size()), field.name.data(),
+              value_of(contract_.plan, key), field.is_whole() ? "" : field.unit);
+    any_ = true;
+    source_ = source;
+  }
+  std::string_view close() {
+    if (const auto source = std::exchange(source_, std::nullopt)) {
+      const auto word = kSourceWords[static_cast<std::size_t>(*source)];
+      text_.add(" (%.*s)", static_cast<int>(word.size()), word.data());
+    }
+    return text_.view();
+  }
+
+ private:
+  const Contract& contract_;
+  FixedText<600> text_;
+  std::optional<ValueSource> source_;
+  bool any_ = false;
+};
+
+}  // namespace
+
+double value_of(const PrintPlan& plan, PrintKey key) {
+  switch (key) {
+    case PrintKey::kLayerHeight: return plan.layer_height.millimetres();
+    case PrintKey::kInitialLayerHeight: return (plan.layer_height + plan.first_layer_more).millimetres();
+    case PrintKey::kBottomLayerCount: return plan.bottom_layers;
+    case PrintKey::kInitialExposureTime: return seconds_in(plan.initial_exposure);
+    case PrintKey::kFadedLayers: return plan.faded_layers;
+    case PrintKey::kExposureTime: return seconds_in(plan.exposure);
+    case PrintKey::kDelayBeforeExposure: return seconds_in(plan.rest_before_exposure);
+    case PrintKey::kDelayAfterExposure: return seconds_in(plan.rest_after_exposure);
+    case PrintKey::kLiftHeight: return plan.lift.millimetres();
+    case PrintKey::kLiftSpeed: return mm_min_in(plan.lift_speed);
+    case PrintKey::kLiftHeight2: return plan.lift2.millimetres();
+    case PrintKey::kLiftSpeed2: return mm_min_in(plan.lift_speed2);
+    case PrintKey::kWaitTimeAfterLift: return seconds_in(plan.wait_after_lift);
+    case PrintKey::kRetractSpeed: return mm_min_in(plan.retract_speed);
+    case PrintKey::kRetractHeight2: return plan.retract2.millimetres();
+    case PrintKey::kRetractSpeed2: return mm_min_in(plan.retract_speed2);
+    case PrintKey::kElefantFootCompensation: return plan.elephant_foot.millimetres();
+    case PrintKey::kPauseLiftHeight: return plan.pause_lift.millimetres();
+  }
+  return 0;
+}
+
+Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile& machine,
+                                 const ContractSubject& subject) {
+  const PrintGrid& grid = subject.grid;
+  const auto layer_height = static_cast<double>(grid.layer_height_mm);
+  const auto plan = plan_print(profile, machine, layer_height, grid.layers);
+  PLUMBLINE_TRY(plan);
+  Contract contract;
+  contract.plan = *plan;
+  contract.sources = profile.sources;
+  if (profile.initial_layer_height == 0) {  // NOLINT(clang-diagnostic-float-equal): nobody has said one
+    contract.sources[index_of(PrintKey::kInitialLayerHeight)] = profile.sources[index_of(PrintKey::kLayerHeight)];
+  }
+  const auto pitch_x = static_cast<double>(grid.pitch_x_mm), pitch_y = static_cast<double>(grid.pitch_y_mm);
+  contract.width_mm = subject.columns * pitch_x;
+  contract.depth_mm = subject.rows * pitch_y;
+  contract.height_mm = height_of(*plan, plan->layers - 1).above_film().millimetres();
+  contract.rotation_deg = subject.rotation_deg;
+  contract.best_way_up = subject.best_way_up;
+  const double first_more = plan->first_layer_more.millimetres();
+  contract.resin_ml = resin_ml(subject.cured_pixels, pitch_x, pitch_y, layer_height) +
+                      resin_ml(subject.first_layer_pixels, pitch_x, pitch_y, first_more);
+  contract.time = std::chrono::duration_cast<std::chrono::seconds>(print_time(*plan));
+  const Irradiance light(machine.power_mw_cm2);
+  contract.cure_depth = cure_depth(profile, light, plan->exposure);
+  contract.first_cure_depth = cure_depth(profile, light, plan->initial_exposure);
+  contract.is_archive = subject.is_archive;
+  contract.grey = subject.grey;
+  contract.grey_lost = subject.grey_lost;
+  const auto doubt = [&contract](Doubt about, bool is_doubtful) {
+    const unsigned bit = is_doubtful ? 1U << static_cast<unsigned>(about) : 0U;
+    contract.doubts = static_cast<std::uint8_t>(contract.doubts | bit);
+  };
+  doubt(Doubt::kLayerHeight, is_silent(contract, PrintKey::kLayerHeight));
+  doubt(Doubt::kExposure,
+        is_silent(contract, PrintKey::kExposureTime) || is_silent(contract, PrintKey::kInitialExposureTime));
+  contract.proof = subject.proof;
+  doubt(Doubt::kPoints, contract.proof.is_doubtful());
+  doubt(Doubt::kGrey, contract.grey > kMostGrey);
+  return contract;
+}
+
+void write_contract(JsonWriter& json, const Contract& contract) {
+  json.member("width_mm", thousandths(contract.width_mm));
+  json.member("depth_mm", thousandths(contract.depth_mm));
+  json.member("height_mm", thousandths(contract.height_mm));
+  json.member("rotation_deg", contract.rotation_deg);
+  json.member("best_way_up", contract.best_way_up);
+  json.member("points_off_percent", thousandths(100 * contract.proof.share_off()));
+  json.member("grey_percent", thousandths(100 * contract.grey));
+  json.member("grey_lost_percent", thousandths(100 * contract.grey_lost));
+  json.member("resin_ml", thousandths(contract.resin_ml));
+  json.member("time_s", contract.time);
+  constexpr double kDigits = 1e6;
+  json.begin_array("values", kOneLine);
+  for (const PrintField& field : kPrintFields) {
+    json.begin_object(kOneLine);
+    json.member("key", field.name);
+    json.member("value", std::round(value_of(contract.plan, field.key) * kDigits) / kDigits);
+    json.member("unit", field.unit + 1);
+    json.member("source", kSourceWords[static_cast<std::size_t>(contract.sources[index_of(field.key)])]);
+    json.member("can_change", field.can_be_changed());
+    json.end_object();
+  }
+  json.end_array();
+}
+
+namespace {
+
+void say_grey(const Contract& contract, std::string_view name,
+              const std::function<void(const Told&, std::string_view)>& say) {
+  const double grey = 100 * contract.grey, lost = 100 * contract.grey_lost;
+  FixedText<200> text;
+  text.add("%.3g %% of the area of %s is grey: %.3g %% vanishes, the rest cures as white", grey,
+           PrintableText(name).c_str(), lost);
+  say({PrinterCode::kArchiveGrey, {{Fact::kPercent, grey}, {PrinterFact::kLostPercent, lost}}, name}, text.view());
+}
+
+}  // namespace
+
+void for_each_doubt(const Contract& contract, std::string_view name,
+                    const std::function<void(const Told&, std::string_view)>& say) {
+  const PrintableText shown = name;
+  const auto value = [&](PrintKey key) { return value_of(contract.plan, key); };
+  if (contract.doubts_about(Doubt::kLayerHeight)) {
+    const double height = value(PrintKey::kLayerHeight);
+    FixedText<200> text;
+    text.add("%s does not say how high its layers are: %.6g mm is the profile's", shown.c_str(), height);
+    say({PrinterCode::kArchiveNoHeight, {{PrinterFact::kLayerHeightMm, height}}, name}, text.view());
+  }
+  if (contract.doubts_about(Doubt::kExposure)) {
+    FixedText<200> text;
+    text.add("%s does not say how long its layers are exposed:", shown.c_str());
+    Told told(PrinterCode::kArchiveNoExposure, {}, name);
+    const bool normal = is_silent(contract, PrintKey::kExposureTime);
+    const bool first = is_silent(contract, PrintKey::kInitialExposureTime);
+    if (normal) {
+      text.add(" %.6g s", value(PrintKey::kExposureTime));
+      told.add(static_cast<Fact>(PrinterFact::kExposureS), value(PrintKey::kExposureTime));
+    }
+    if (first) {
+      text.add("%s %.6g s for the first", normal ? " and" : "", value(PrintKey::kInitialExposureTime));
+      told.add(static_cast<Fact>(PrinterFact::kFirstExposureS), value(PrintKey::kInitialExposureTime));
+    }
+    text.add(" %s the profile's", normal && first ? "are" : "is");
+    say(told, text.view());
+  }
+  if (contract.doubts_about(Doubt::kPoints)) {
+    say(told_off(contract.proof), points_off_sentence(contract.proof).view());
+  }
+  if (contract.doubts_about(Doubt::kGrey)) say_grey(contract, name, say);
+}
+
+void for_each_contract_line(const Contract& contract, const std::function<void(std::string_view)>& say) {
+  FixedText<300> size;
+  size.add("prints     %s", size_line(contract).c_str());
+  if (contract.best_way_up) {
+    size.add(", turned its best way up");
+  } else if (contract.rotation_deg != std::array<double, 3>{}) {
+    size.add(", turned by %g, %g, %g degrees", contract.rotation_deg[0], contract.rotation_deg[1],
+             contract.rotation_deg[2]);
+  }
+  if (contract.grey > 0) {
+    size.add(", %.3g %% of its area grey, of which %.3g %% vanish", 100 * contract.grey,
+             100 * contract.grey_lost / contract.grey);
+  }
+  say(size.view());
+  const auto line = [&](const char* title, std::initializer_list<PrintKey> keys) {
+    ValueList values(contract);
+    for (const PrintKey key : keys) values.add(key);
+    const auto listed = values.close();
+    FixedText<640> text;
+    text.add("%-11s%.*s", title, static_cast<int>(listed.size()), listed.data());
+    say(text.view());
+  };
+  using enum PrintKey;
+  line("layers", {kLayerHeight, kInitialLayerHeight, kElefantFootCompensation});
+  line("exposure", {kBottomLayerCount, kInitialExposureTime, kFadedLayers, kExposureTime});
+  line("lift", {kLiftHeight, kLiftSpeed, kLiftHeight2, kLiftSpeed2});
+  line("retract", {kRetractSpeed, kRetractHeight2, kRetractSpeed2});
+  line("waits", {kDelayBeforeExposure, kDelayAfterExposure, kWaitTimeAfterLift});
+}
+
+FixedText<160> size_line(const Contract& contract) {
+  FixedText<160> text;
+  text.add("%.1f x %.1f x %.1f mm, %u layer%s, %.1f ml, %lld min", contract.width_mm, contract.depth_mm,
+           contract.height_mm, contract.plan.layers, plural_s(contract.plan.layers), contract.resin_ml,
+           static_cast<long long>((contract.time.count() + 59) / 60));
+  return text;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,25 @@
+#include "firmware/print/job/mask_source.hpp"
+
+#include "firmware/io/mask_hash.hpp"
+
+namespace plumbline {
+
+Expected<ArchiveMasks> ArchiveMasks::create(int file, std::string_view name, const PrintGrid& grid,
+                                            std::span<const ArchiveLayer> layers, const MaskTurn& turn,
+                                            LayerDecoder& decoder, Arena& arena) {
+  PLUMBLINE_TRY(decoder.prepare(grid, arena));
+  const auto words = arena.take_bottom<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), "masks");
+  PLUMBLINE_TRY(words);
+  return ArchiveMasks(file, name, grid, layers, turn, decoder, BitImage(*words, grid.columns, grid.rows));
+}
+
+Expected<ConstBitImage> ArchiveMasks::mask(std::uint32_t layer) {
+  PLUMBLINE_TRY(decoder_->decode(file_, name_, layers_[layer], turn_, image_));
+  if (mask_hash(image_) != layers_[layer].hash) {
+    return fail(ErrorCode::kMalformed, "%s: layer %u is not as it was when the print was checked", name_.c_str(),
+                layer + 1);
+  }
+  return ConstBitImage(image_);
+}
+
+}  // namespace plumbline
