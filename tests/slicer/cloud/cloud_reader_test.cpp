@@ -27,7 +27,8 @@ TEST(CloudReader, ReleasesTheRoomThatNoPointTook) {
   const CloudReading read = value_of(read_cloud(sources, settings, room_for_all, *arena, nullptr));
   EXPECT_LT(read.cloud.size, 4000U);
   EXPECT_EQ(read.cloud.capacity(), read.cloud.size);
-  EXPECT_LE(arena->used(), Cloud::kBytesPerSeenPoint * read.cloud.size + kMaxViews * (sizeof(Vec3f) + sizeof(bool)) + 384);
+  EXPECT_LE(arena->used(),
+            Cloud::kBytesPerSeenPoint * read.cloud.size + kMaxViews * (sizeof(Vec3f) + sizeof(bool)) + 384);
   for (std::uint32_t i = 0; i < read.cloud.size; ++i) {
     const Vec3d p = read.cloud.position[i].cast<double>() + read.offset;
     ASSERT_NEAR(p.norm(), 10, 0.2);
