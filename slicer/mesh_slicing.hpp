@@ -40,7 +40,7 @@ auto read_mesh_or_scan(ScanSources given, const SliceSettings& settings, const S
   return on_mesh(*files, **mesh, sources);
 }
 
-/// Sets what the survey of a mesh has found.
+/// Copies what the survey of a mesh has found into the report.
 void note(const SurveyedMesh& mesh, PreparationReport& report);
 
 /// The surface of a mesh as points with normals, in the order of a 3D tree: coordinates of the file less survey.bounds.low.

@@ -38,7 +38,7 @@ struct PreparedScan : ReadScan {
   SurfaceCounts surface = {};
 };
 
-/// Reads a scan, and thins what has no room.
+/// Reads a scan, and thins it where the arena has no room for all of its points.
 /// @param settings  as returned by set_threads()
 /// @param report    filled as far as it went, also on error
 /// @retval ErrorCode::kOutOfMemory  before the scan is read where its header and the printer's grid show it
@@ -53,7 +53,7 @@ inline constexpr auto kNoMeasurement = [](const PreparedScan&, const KdTree3&) -
 
 /// Completes the normals of a scan, aligns its views, and keeps the points of its surface, with classes and supports.
 /// A scan without a surface is no error here.
-/// @param scan    its cloud, which is at more than one place, is used up
+/// @param scan    its points are at more than one place; its cloud is consumed
 /// @param report  filled as far as it went, also on error
 /// @retval ErrorCode::kOutOfMemory, kCancelled and all of `measure`
 [[nodiscard]] Expected<PreparedScan> prepare(const ReadScan& scan, const SliceSettings& settings,

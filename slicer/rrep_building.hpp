@@ -28,14 +28,14 @@ struct ShotObject {
 };
 
 /// Shoots a ray through each pixel that a scan can cover.
-/// @param scan  its cloud is used up; work space is taken at the top of the arena and left to the caller
+/// @param scan  its cloud is consumed; work space is taken at the top of the arena and left to the caller
 /// @retval ErrorCode::kOutOfMemory  before the first ray where the crossings that the surface will make don't fit
 /// @retval ErrorCode::kCancelled
 [[nodiscard]] Expected<ShotObject> shoot_rays(PlacedScan scan, const SliceSettings& settings, const StageContext& job);
 
 /// Drops small components and small features of a scan, sorts the crossings by layer, and drops empty layers at both ends.
 /// @param shot    its store is at the bottom of the arena, which the R-Rep takes over; nothing is at the top
-/// @param report  gets what is known of the object; what was found before it was placed is left
+/// @param report  gets what is known of the object, and keeps what was found before it was placed
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, const StageContext& job,
                                          SliceReport& report);

@@ -168,7 +168,7 @@ Status accept_doubts(const Contract& contract, const std::string& name, const Pr
   return fail(ErrorCode::kBadSetting, "%s.\t%s", all.c_str(), advice.c_str());
 }
 
-/// Says what the checks have found in the masks, and draws it if somebody wants that.
+/// Says what the checks have found in the masks, and draws it if asked to.
 void tell_issues(const PrintOptions& options, const std::string& name, const StackFindings& findings,
                  const PrintGrid& grid, const RRep& rrep, const Supports& supports, const CheckPolicy& policy,
                  TerminalJob& terminal) {

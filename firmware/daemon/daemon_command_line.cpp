@@ -165,8 +165,8 @@ class DaemonLog final : public DaemonObserver {
     print.result = static_cast<std::uint32_t>(outcome.report.state);
     print.layers = outcome.report.layers;
     print.layers_done = outcome.report.next_layer;
-    print.scan = outcome.session.facts().scan;
-    print.profile = outcome.session.facts().profile;
+    print.scan = outcome.session.printable().facts.scan;
+    print.profile = outcome.session.printable().facts.profile;
     print.ended_at = wall_clock_s();
     print.resin_ml = outcome.report.resin_ml;
     std::span<const std::byte> png;

@@ -26,7 +26,7 @@ class OfferedContract {
   /// Shows the contract, and says what is doubtful about it.
   void tell() const;
   /// Asks a person whether to print it, with what is doubtful about it.
-  /// @param found  in its layers, that is asked about; empty: nothing
+  /// @param found  what the checks have found in its layers; empty: nothing to ask about
   /// @returns false: it was declined, or the system shuts down
   [[nodiscard]] Expected<bool> ask(std::string_view found, Answers& answers);
 
@@ -41,7 +41,7 @@ class OfferedContract {
   const PrintProfile before_;
   std::function<Expected<Contract>(const PrintProfile&)> remake_;
   StateRecorder& recorder_;
-  std::function<void()> put_;  ///< puts the question anew, once it is asked
+  std::function<void()> put_;  ///< repeats the question; empty until it is asked
 };
 
 }  // namespace plumbline

@@ -257,7 +257,7 @@ Expected<std::optional<Contract>> PrinterDaemon::agree(std::string_view name, co
                                                        const MakeContract& make, const MakeMasks& masks) {
   auto contract = make(profile);
   PLUMBLINE_TRY(contract);
-  // Without room for them there are none to look at.
+  // Without room for the masks there are none to look at.
   const auto to_look_at = masks(contract->plan);
   OfferedContract offered(name, *contract, profile, make, observer_);
   offered.tell();
@@ -439,7 +439,7 @@ Status PrinterDaemon::resume() {
     refuse(loaded.error(), another ? FaultCode::kJournalOfAnother : FaultCode::kJournalDamaged);
     return {};
   }
-  auto profile = settings_.profile(std::string(view(session.facts().profile)));
+  auto profile = settings_.profile(std::string(view(session.printable().facts.profile)));
   PLUMBLINE_TRY(profile);
   observer_.resumed(session);
   apply(PrintEvent::kJobResumed);

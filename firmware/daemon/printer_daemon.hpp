@@ -59,10 +59,10 @@ class PrinterDaemon {
     std::optional<StickJob> offered;                    ///< none: it came from a job file
     std::variant<SlicedScan, JobStore::Received> scan;  ///< sliced, or an archive that was copied
   };
-  /// Whether the scans in a port are offered as soon as the printer is idle.
+  /// Whether the scans in a port are offered unasked.
   enum class PortState : std::uint8_t {
-    kNew,     ///< they are
-    kServed,  ///< they were printed, refused or declined: when somebody asks
+    kNew,     ///< yes, as soon as the printer is idle
+    kServed,  ///< no, they were printed, refused or declined: only when somebody asks
   };
 
   void apply(PrintEvent event);  ///< the one place that changes the state between prints

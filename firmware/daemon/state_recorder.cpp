@@ -260,11 +260,12 @@ void StateRecorder::offered(const StickJob& job, std::string_view profile, std::
 
 void StateRecorder::resumed(const PrintSession& session) {
   begin_job();
-  record_.job_id = session.facts().print_id;
+  record_.job_id = session.printable().facts.print_id;
   JobRecord& record = record_.job.emplace();
-  assign(record.scan, view(session.facts().scan));
-  for (const FileName& file : session.scan_files()) assign(record.files[record.file_count++], view(file));
-  assign(record.profile, view(session.facts().profile));
+  assign(record.scan, view(session.printable().facts.scan));
+  for (const FileName& file : session.printable().facts.scan_files())
+    assign(record.files[record.file_count++], view(file));
+  assign(record.profile, view(session.printable().facts.profile));
 }
 
 void StateRecorder::contracted(const Contract& contract) {

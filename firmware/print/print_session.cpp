@@ -65,16 +65,16 @@ Status PrintSession::load() {
 
 /// Checks the plan, and makes the masks' source and the room for the report.
 Status PrintSession::make_ready() {
-  const auto run = check_plan(plan(), view(facts().scan), machine_);
+  const auto run = check_plan(plan(), view(what_.facts.scan), machine_);
   PLUMBLINE_TRY(run);
   run_ = *run;
-  if (is_archive()) {
-    auto layers = ArchiveMasks::create(what_.archive.get(), view(facts().scan), grid(), what_.parts.archive,
-                                       facts().turn, *decoder_, arena_);
+  if (what_.parts.is_archive()) {
+    auto layers = ArchiveMasks::create(what_.archive.get(), view(what_.facts.scan), grid(), what_.parts.archive,
+                                       what_.facts.turn, *decoder_, arena_);
     PLUMBLINE_TRY(layers);
     source_ = std::move(*layers);
   } else {
-    const auto stream = MaskStream::create(rrep(), supports(), arena_);
+    const auto stream = MaskStream::create(what_.parts.rrep, what_.parts.supports, arena_);
     PLUMBLINE_TRY(stream);
     source_ = StreamMasks(*stream);
   }
@@ -106,7 +106,7 @@ double PrintSession::first_layer_more_ml() const {
 }
 
 double PrintSession::needed_ml() const {
-  return static_cast<double>(facts().cured_pixels) * pixel_ml() + first_layer_more_ml();
+  return static_cast<double>(what_.facts.cured_pixels) * pixel_ml() + first_layer_more_ml();
 }
 
 PrintSettings PrintSession::settings() const {
@@ -122,12 +122,12 @@ PrintSettings PrintSession::settings() const {
   settings.tank_ml = machine_.tank_volume_ml;
   settings.pixel_ml = pixel_ml();
   settings.first_layer_more_ml = first_layer_more_ml();
-  settings.cured_pixels = facts().cured_pixels;
+  settings.cured_pixels = what_.facts.cured_pixels;
   settings.first_layer_pixels = what_.first_layer_pixels;
   settings.cure_depth = contract().cure_depth;
   settings.first_cure_depth = contract().first_cure_depth;
-  if (findings()) settings.issues = issue_counts(*findings());
-  settings.has_issues = findings() && findings()->any();
+  if (what_.findings) settings.issues = issue_counts(*what_.findings);
+  settings.has_issues = what_.findings && what_.findings->any();
   settings.memory_needed = arena_.used();
   settings.memory_budget = arena_.capacity();
   return settings;

@@ -44,22 +44,12 @@ class PrintSession {
   /// @param record  durable when it returns; null: the tank is full, and nobody keeps a record
   PrintReport print(Machine& machine, PrintObserver& observer, MachineRecord* record = nullptr);
 
-  const SliceReport& sliced() const { return what_.slice; }
-  const JobFacts& facts() const { return what_.facts; }
+  const Printable& printable() const { return what_; }
   const Contract& contract() const { return what_.facts.contract; }
   const PrintPlan& plan() const { return contract().plan; }
   const PrintGrid& grid() const { return what_.parts.rrep.grid; }
-  /// For an archive it has only the grid: see mask().
-  const RRep& rrep() const { return what_.parts.rrep; }
-  const Supports& supports() const { return what_.parts.supports; }
-  bool is_archive() const { return what_.parts.is_archive(); }
   /// The mask of a layer. @pre the print is not running
   [[nodiscard]] Expected<ConstBitImage> mask(std::uint32_t layer) { return source().mask(layer); }
-  const std::optional<SupportSettings>& support_settings() const { return what_.support_settings; }
-  const SupportCounts& support_counts() const { return what_.support_counts; }
-  std::uint64_t support_pixels() const { return what_.support_pixels; }
-  std::span<const FileName> scan_files() const { return std::span(facts().files).first(facts().file_count); }
-  const std::optional<StackFindings>& findings() const { return what_.findings; }
   MaskFigures mask_figures() const { return plumbline::mask_figures(lines_, scratch_); }
   double pixel_ml() const;   ///< of the layers but the first
   double needed_ml() const;  ///< resin in all masks

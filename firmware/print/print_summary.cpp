@@ -63,7 +63,7 @@ void add_steps(Text& text, const StepFigures& steps) {
 void add_print(Text& text, const PrintOutcome& outcome) {
   const PrintReport& report = outcome.report;
   const auto state = to_string(report.state);
-  const PrintableText scan = view(outcome.session.facts().scan);
+  const PrintableText scan = view(outcome.session.printable().facts.scan);
   text.add("print      %s: %.*s, %u of %u layers, %.2f mm\n", scan.c_str(), static_cast<int>(state.size()),
            state.data(), report.next_layer, report.layers,
            report.next_layer > 0 ? height_of(outcome.session.plan(), report.next_layer - 1).above_film().millimetres()
@@ -73,7 +73,8 @@ void add_print(Text& text, const PrintOutcome& outcome) {
            duration_text(report.estimated).c_str());
   if (report.pauses > 0) text.add(", paused %u time%s", report.pauses, plural_s(report.pauses));
   text.add("\n");
-  if (!outcome.session.supports().empty()) text.add("supports   %u\n", outcome.session.supports().tips());
+  if (!outcome.session.printable().parts.supports.empty())
+    text.add("supports   %u\n", outcome.session.printable().parts.supports.tips());
   text.add("resin      %s ml", three_digits(report.resin_ml).c_str());
   const double cost = resin_cost(outcome.profile, report.resin_ml);
   if (cost > 0) text.add(", cost %.2f (in the currency of bottle_cost)", cost);
@@ -203,7 +204,7 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::st
     line.add("warning    %.*s\n", static_cast<int>(warning.size()), warning.data());
     if (written) written = out.write(line.view());
   });
-  if (const auto& findings = outcome.session.findings()) {
+  if (const auto& findings = outcome.session.printable().findings) {
     for_each_issue(*findings, outcome.session.grid(), outcome.profile.checks,
                    [&](IssueKind, CheckAction, std::string_view sentence) {
                      Text line;
@@ -227,11 +228,11 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::st
 void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   const PrintReport& report = outcome.report;
   const PrintSession& session = outcome.session;
-  const JobFacts& facts = session.facts();
+  const JobFacts& facts = session.printable().facts;
   json.begin_object();
   json.member("id", id_text(facts.print_id));
   json.member("scan", view(facts.scan));
-  if (const auto files = session.scan_files(); files.size() > 1) {
+  if (const auto files = session.printable().facts.scan_files(); files.size() > 1) {
     json.begin_array("files", kOneLine);
     for (const auto& file : files) json.value(view(file));
     json.end_array();
@@ -250,8 +251,8 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.begin_object("contract");
   write_contract(json, facts.contract);
   json.end_object();
-  json.member("supports", session.supports().tips());
-  write_issues(json, session.findings(), session.grid(), outcome.profile.checks);
+  json.member("supports", session.printable().parts.supports.tips());
+  write_issues(json, session.printable().findings, session.grid(), outcome.profile.checks);
   json.member("resin_ml", thousandths(report.resin_ml));
   json.member("resin_needed_ml", thousandths(session.needed_ml()));
   json.member("cost", thousandths(resin_cost(outcome.profile, report.resin_ml)));

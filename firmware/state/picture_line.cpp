@@ -26,7 +26,7 @@ std::optional<DrawnPicture> drawn_scan(const PrinterRecord& record, std::uint32_
   return drawn_one((*record.scan_pictures)[which], record.scans[which].picture);
 }
 
-/// A scan of the list is of no job.
+/// @param job  0: the picture is of a scan in the list, which belongs to no job
 void add_job(FixedText<120>& members, std::uint64_t job) {
   if (job != 0) members.add(", \"job\": \"%s\"", id_text(job).c_str());
 }

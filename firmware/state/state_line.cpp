@@ -237,7 +237,7 @@ double lamp_hours(const MachineRecord& machine) {
   return std::chrono::duration<double, std::ratio<3600>>(machine.lamp_lit()).count();
 }
 
-/// None: nobody has said.
+/// @returns none: nobody has said how much is in the tank
 std::optional<double> filled_ml(const MachineRecord& machine) {
   return only_if(machine.resin_ml().has_value(), machine.filled_ml());
 }

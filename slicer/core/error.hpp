@@ -58,8 +58,8 @@ enum class ErrorCode : std::uint16_t {
 std::string_view to_string(ErrorCode code);
 
 /// A code and a message for the user: file, place, what was found, what to do. Where it is shown to people who read another language than
-/// English, it also has what is told as a code with values. What it says lies in a table of fixed size that all errors share, so that a
-/// Status is as small as two words; copies share a row.
+/// English, it also has what is told as a code with values. What it says lies in a table of fixed size that all errors share, so an
+/// Error is two words; copies share a row.
 class Error {
  public:
   /// Bytes of a message, terminator included; longer ones are cut.

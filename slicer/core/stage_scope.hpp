@@ -1,5 +1,5 @@
 #pragma once
-/// What the stages of a job share, and the time that each of them runs.
+/// What every stage of a job is given, and the scope that it runs in.
 
 #include <algorithm>
 #include <array>

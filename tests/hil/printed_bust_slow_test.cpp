@@ -51,9 +51,9 @@ TEST_F(PrintedBustSlow, IsTheBust) {
   for (const auto& objection : plant.objections()) ADD_FAILURE() << to_string(objection);
 
   // Voxel by voxel, at the height at which a layer is the section of the object. Supports outside of the bust don't count.
-  const Mat4d to_scan = session.sliced().placement.transform().inverse();
+  const Mat4d to_scan = session.printable().slice.placement.transform().inverse();
   const PrintGrid& grid = session.grid();
-  auto painter = SupportPainter::create(session.supports(), arena);
+  auto painter = SupportPainter::create(session.printable().parts.supports, arena);
   ASSERT_TRUE(painter);
   std::vector<std::uint64_t> support_words(BitImage::words_needed(grid.columns, grid.rows));
   const BitImage supports(support_words, grid.columns, grid.rows);
@@ -87,7 +87,7 @@ TEST_F(PrintedBustSlow, IsTheBust) {
 
 TEST_F(PrintedBustSlow, LosesWithoutSupportsWhatTheSweepForetells) {
   ASSERT_NO_FATAL_FAILURE(print(std::nullopt));
-  auto layers = LayerStream::create(session.rrep(), arena);
+  auto layers = LayerStream::create(session.printable().parts.rrep, arena);
   ASSERT_TRUE(layers);
   auto checker = StackChecker::create(session.grid(), {}, arena);
   ASSERT_TRUE(checker) << checker.error().message();

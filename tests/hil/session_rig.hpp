@@ -85,8 +85,8 @@ class ScriptedUser final : public DaemonObserver {
   void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) override {
     reports.push_back(report);
     profiles.push_back(profile.name);
-    scans.emplace_back(view(session.facts().scan));
-    ids.push_back(session.facts().print_id);
+    scans.emplace_back(view(session.printable().facts.scan));
+    ids.push_back(session.printable().facts.print_id);
     hashes.emplace_back();
     for (const auto& line : report.exposures) hashes.back().push_back(line.mask_hash);
     if (on_printed) later(on_printed);

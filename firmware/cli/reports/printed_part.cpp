@@ -42,10 +42,10 @@ struct PartRRep {
 /// Writes the picture of the issues that the masks had, if there are any and the arena has room for it.
 Status write_issue_picture(JobDirectory& directory, const PrintSession& session, const RRep& sliced,
                            std::string_view name, Arena& arena, PictureEncoder& encoder) {
-  const auto& findings = session.findings();
+  const auto& findings = session.printable().findings;
   if (!findings || ShownIssues(*findings).count == 0) return {};
   const auto png = encode_page(arena, encoder, [&](std::span<std::uint8_t> rgb) {
-    return draw_issues(*findings, sliced, session.supports(), name, arena, rgb);
+    return draw_issues(*findings, sliced, session.printable().parts.supports, name, arena, rgb);
   });
   return png ? directory.write_picture(JobPicture::kIssues, *png) : Status();
 }
@@ -64,11 +64,11 @@ Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep
   const std::array<std::string_view, 1> printed_captions = {caption.view()};
   const std::array<std::string_view, 1> sliced_captions = {"to be printed"};
   // A print resumed from its store has no placement.
-  const Placement& placement = session.sliced().placement;
+  const Placement& placement = session.printable().slice.placement;
   const auto size = placement.grid.layers > 0 ? size_text(placement) : FixedText<96>();
   PartRRep masks;
-  RRep rrep = session.rrep();
-  if (session.is_archive()) {
+  RRep rrep = session.printable().parts.rrep;
+  if (session.printable().parts.is_archive()) {
     for (std::uint32_t layer = 0; layer < session.grid().layers; ++layer) {
       const auto mask = session.mask(layer);
       PLUMBLINE_TRY(mask);
@@ -77,8 +77,8 @@ Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep
     rrep.first = masks.first;
     rrep.pixel = masks.pixel;
   }
-  PLUMBLINE_TRY(
-      draw_preview(rrep, session.supports(), {job.scan_name, size.view(), sliced_captions}, arena, std::span(sliced)));
+  PLUMBLINE_TRY(draw_preview(rrep, session.printable().parts.supports, {job.scan_name, size.view(), sliced_captions},
+                             arena, std::span(sliced)));
   // The layers already include the cured supports.
   PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, {}, printed_captions}, arena, printed));
   std::vector<std::uint8_t> both;
@@ -143,13 +143,13 @@ Status write_printed_part(JobDirectory& directory, const Witness& witness, Print
     }
   });
   PLUMBLINE_TRY(done);
-  job.scan_name = view(session.facts().scan);
-  job.printer_name = view(session.facts().printer);
-  job.slice = session.sliced();
-  job.support_settings = session.support_settings();
-  job.supports = session.support_counts();
-  job.support_pixels = session.support_pixels();
-  job.findings = session.findings();
+  job.scan_name = view(session.printable().facts.scan);
+  job.printer_name = view(session.printable().facts.printer);
+  job.slice = session.printable().slice;
+  job.support_settings = session.printable().support_settings;
+  job.supports = session.printable().support_counts;
+  job.support_pixels = session.printable().support_pixels;
+  job.findings = session.printable().findings;
   job.arena_bytes = arena.capacity();
   job.hash = job_hash(hashes);
   if (!hashes.empty()) {
@@ -159,7 +159,7 @@ Status write_printed_part(JobDirectory& directory, const Witness& witness, Print
         write_pictures(directory, session, {.grid = printed, .first = part.first, .pixel = part.pixel}, job, arena));
     job.has_preview = true;
   }
-  if (session.sliced().placement.grid.layers != hashes.size()) return {};
+  if (session.printable().slice.placement.grid.layers != hashes.size()) return {};
   auto manifest = directory.create_manifest();
   PLUMBLINE_TRY(manifest);
   JsonWriter json(*manifest);

@@ -4,7 +4,7 @@
 ///     constexpr JsonField<ProgressRecord> kProgress[] = {
 ///         {"layers", member<&ProgressRecord::layers>},
 ///         {"height_mm", rounded<&ProgressRecord::height_mm>},
-///         {"ends_at", [](JsonWriter& json, const ProgressRecord& progress) { write_time(json, progress.ends_at); }},
+///         {"ends_at", [](JsonWriter& json, const ProgressRecord& progress) { json.value(utc_text(progress.ends_at)); }},
 ///     };
 
 #include <functional>
@@ -27,7 +27,7 @@ void member(JsonWriter& json, const T& from) {
   json.value(std::invoke(of, from));
 }
 
-/// The same rounded by thousandths().
+/// The same, rounded to three decimals.
 template <auto of, class T>
 void rounded(JsonWriter& json, const T& from) {
   json.value(thousandths(std::invoke(of, from)));
@@ -49,7 +49,7 @@ void write_object(JsonWriter& json, const Fields& fields, const T& from, JsonWri
   json.end_object();
 }
 
-/// The same of an optional one or a pointer; null if there is none.
+/// The same for an optional or a pointer: null if it is empty.
 template <class Fields, class T>
 requires requires(const T& from) { *from; }
 void write_object(JsonWriter& json, const Fields& fields, const T& from, JsonWriter::Layout layout = kOneLine) {

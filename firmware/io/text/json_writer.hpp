@@ -27,7 +27,7 @@ std::optional<double> thousandths(const std::optional<T>& value) {
   return value ? std::optional(thousandths(*value)) : std::nullopt;
 }
 
-/// Values one after the other, which a text is not.
+/// A range that is no text: it is written as an array.
 template <class Values>
 concept JsonList = !std::is_convertible_v<const Values&, std::string_view> && requires(const Values& values) {
   values.begin() != values.end();

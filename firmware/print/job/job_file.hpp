@@ -21,14 +21,14 @@
 
 namespace plumbline {
 
-/// Of what is stored: everybody may read it, and only the daemon may write it.
+/// Everybody may read what is stored; only the daemon may write it.
 constexpr mode_t kFileMode = 0644;
 constexpr mode_t kFolderMode = 0755;
 
-/// A short text of fixed size, cut if it is longer, filled with 0 if it is shorter.
+/// A name in a field of fixed size: longer ones are cut, shorter ones padded with zeros.
 using ShortName = std::array<char, 64>;
 ShortName short_name(std::string_view text);
-/// The name of one file of a scan, the same way.
+/// Likewise the name of one file of a scan.
 using FileName = std::array<char, 80>;
 FileName file_name(std::string_view text);
 
@@ -50,6 +50,7 @@ struct JobFacts {
 
   /// @pre called at most kMostScans times
   void add_file(std::string_view name);
+  std::span<const FileName> scan_files() const { return std::span(files).first(file_count); }
 };
 
 /// Hash of the values of a board file that masks and heights depend on. Layout and comments do not count.

@@ -172,8 +172,8 @@ class MachineRecord {
 [[nodiscard]] Expected<MachineRecord> open_machine_record(const std::string& folder, const JobStore& store,
                                                           double tank_ml, bool simulated);
 
-/// Whether a print is stored that has begun; then the plate is taken. One that has not is removed: the power went before its checks
-/// had passed, so nothing of it is on the plate.
+/// Whether the store holds a print that has begun, in which case the plate is marked as taken. A print that has not begun is removed: power
+/// failed before its checks had passed, so nothing of it is on the plate.
 /// @retval the errors of JobStore::end() and MachineRecord::take_plate()
 [[nodiscard]] Expected<bool> has_interrupted_print(JobStore& store, MachineRecord& machine);
 

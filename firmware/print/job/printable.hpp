@@ -1,5 +1,5 @@
 #pragma once
-/// What is printed, made of a scan or an archive that has been sliced.
+/// What is printed, made from a scan or an archive that has been sliced.
 
 #include <cstdint>
 #include <optional>

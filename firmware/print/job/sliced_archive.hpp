@@ -64,7 +64,7 @@ void for_each_remark(const SlicedArchive& sliced, FunctionRef<void(const Told&, 
 /// Collects the pixels that differ from the layer below, as long as there is room: an R-Rep, to draw masks that somebody else has made.
 class LayerCrossings {
  public:
-  /// Takes what the arena has left at its bottom, but for the pictures' own room.
+  /// Takes all that is left of the arena, from its bottom, except the room that the pictures need.
   static LayerCrossings make(const PrintGrid& grid, Arena& arena);
 
   /// @param layer  each layer of the grid, in order

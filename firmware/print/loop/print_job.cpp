@@ -123,11 +123,11 @@ class PrintJob {
   bool at_hand_lit_ = false;  ///< the layer at hand may have had light
   std::optional<ReadyMask> ready_;
   std::optional<nanoseconds> slack_;  ///< of the mask that was rendered during the last exposure
-  TimePoint began_;                   ///< as if the earlier runs had ended when this one began
+  TimePoint began_;                   ///< when it would have begun without its interruptions
   TimePoint ends_at_;                 ///< as expect() was told
   nanoseconds left_after_{};
   nanoseconds told_left_ = nanoseconds::max();  ///< by time_left()
-  Spoken question_;                             ///< that start answers; empty: the state says it
+  Spoken question_;                             ///< that the start button answers; empty: the state's own question
   LayerFinding hindrance_;                      ///< what the print waits for in kCoolingDown
   bool tank_is_looked_at_ = false;
   double fill_ml_ = 0;              ///< that the tank is to hold when start is pressed
