@@ -152,7 +152,8 @@ def prusa_supports(mesh, work, pitch, panel):
     return aligned, masks
 
 
-COMPARED = {"islands": "islands", "mean_mm2": "mean", "most_mm2": "most", "free_mm": "free stretch", "volume_mm3": "volume"}
+COMPARED = {"islands": "islands", "mean_mm2": "mean", "most_mm2": "most", "volume_mm3": "volume", "scars_mm2": "scars",
+            "front_scars_mm2": "scars in front", "gaps_mm3": "gaps"}
 
 
 class Kept:
@@ -179,7 +180,8 @@ def row(shape, turn, ours, theirs):
         return f"{getattr(ours, name):,.{digits}f} / {getattr(theirs, name):,.{digits}f}"
 
     cells = [pair(name, digits) for name, digits in
-             (("islands", 0), ("tips", 0), ("mean_mm2", 1), ("most_mm2", 1), ("far_mm2", 1), ("free_mm", 1), ("volume_mm3", 0))]  # fmt: skip
+             (("islands", 0), ("tips", 0), ("mean_mm2", 1), ("most_mm2", 1), ("far_mm2", 1), ("free_mm", 1), ("volume_mm3", 0),
+              ("scars_mm2", 1), ("front_scars_mm2", 1), ("clear_mm", 2), ("gaps_mm3", 0))]  # fmt: skip
     return f"| {shape} | {turn[0]}, {turn[1]} | {' | '.join(cells)} |"
 
 
@@ -206,8 +208,9 @@ def main():
     parser.add_argument("--kept", type=Path)
     chosen = parser.parse_args()
     kept = Kept(chosen.kept)
-    print("| shape | turned about x, y | islands | tips | mean, mm2 | most, mm2 | far, mm2 | free, mm | supports, mm3 |")
-    print("|---|---|---|---|---|---|---|---|---|", flush=True)
+    print("| shape | turned about x, y | islands | tips | mean, mm2 | most, mm2 | far, mm2 | free, mm | supports, mm3 "
+          "| scars, mm2 | in front, mm2 | clear, mm | gaps, mm3 |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|---|---|", flush=True)
     panel = PANEL_MM * max(1.0, chosen.size / 25)
     pairs = []
     for path in chosen.meshes:
