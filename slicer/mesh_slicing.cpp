@@ -215,6 +215,7 @@ Expected<PreparedMesh> prepare_mesh(MeshFiles& files, const SurveyedMesh& mesh, 
     PLUMBLINE_TRY(best);
     report.turned = *best;
     placing.rotation_degrees = {best->degrees[0], best->degrees[1], 0};
+    placing.sized_extent = mesh.survey.bounds.size();
   }
   const auto turned = survey_files(files, placing.rotation_degrees, mesh.survey.most_vertices, job);
   PLUMBLINE_TRY(turned);

@@ -157,7 +157,7 @@ Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, cons
   report.flat_underside = shot.flat_underside;
   report.width_mm = shot.width_mm;
   report.rays = shot.rays;
-  if (!settings.placement.fit) report.asked_size = settings.placement.size;
+  if (!settings.placement.fit && !report.turned) report.asked_size = settings.placement.size;
   if (!shot.is_mesh) {
     const std::uint64_t outside = shot.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)];
     const RayYield yield{static_cast<double>(shot.rays.interested() - outside),

@@ -30,6 +30,14 @@ Status check_core_fits(const ReadScan& scan, const PlacementSettings& settings, 
   return {};
 }
 
+/// Of the scan as it was before it was turned the best way up: a height is the figure's, whichever way it is printed.
+Vec3d extent_before(const PreparedScan& scan) {
+  const Mat3d back = scan.turned.transpose();
+  Box3d box;
+  for (const Vec3f& point : scan.cloud.positions()) box.extend(Vec3d(back * point.cast<double>()));
+  return box.size();
+}
+
 /// Places an object, and notes where.
 /// @param placing  with the unit that its format fixes, if it fixes one
 Expected<Placement> place_object(const Box3d& bounds, const PlacementSettings& placing, SliceReport& report) {
@@ -59,12 +67,13 @@ Expected<RRep> slice(ScanSources given, const SliceSettings& asked, Arena& arena
     const auto read = read_points(sources, settings, job, report);
     PLUMBLINE_TRY(read);
     const ScanHeader& header = read->counts.scan.header;
-    const PlacementSettings placing = heed_header(settings.placement, header);
+    PlacementSettings placing = heed_header(settings.placement, header);
     PLUMBLINE_TRY(check_no_speck(read->bounds(), sources, placing, header));
     if (!settings.orient) PLUMBLINE_TRY(check_core_fits(*read, placing, arena));  // it may fit when it is turned
     const auto scan = prepare(*read, settings, job, report);
     PLUMBLINE_TRY(scan);
     PLUMBLINE_TRY(check_surface(*scan, sources, placing));
+    if (settings.orient) placing.sized_extent = extent_before(*scan);
     const auto placement = place_object(scan->bounds(), placing, report);
     PLUMBLINE_TRY(placement);
     const PlacedScan placed = move_to_print(*placement, *scan);

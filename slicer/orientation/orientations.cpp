@@ -20,6 +20,10 @@ constexpr double kApart = 0.8660254;   ///< cosine of 30 degrees: least angle be
 constexpr double kMuchBetter = 0.75;   ///< of the present cost
 constexpr double kFootCounts = 0.02;   ///< least share of the area that is a foot to stand on
 
+/// Cost of an object that lies on its side; upside down it is twice as much: figures stand, and faces look aside. Less on a flat foot, since what has
+/// one may well have several.
+constexpr double kTilted = 0.5;
+constexpr double kTiltedOnFoot = 0.1;
 constexpr double kNearlySquare = 0.978;  ///< cosine of 12 degrees
 constexpr double kHardlyMore = 1.05;
 
@@ -102,8 +106,22 @@ Angles towards(const Vec3f& up, Angles from) {
   return rounded(from);
 }
 
+/// What a way up costs, beside the upright one.
+struct Ways {
+  const SurfaceSamples& samples;
+  Vec3f upright;
+
+  OrientationCost cost(const Angles& degrees) const {
+    OrientationCost cost = cost_of(samples, degrees);
+    const bool has_foot = cost.foot_area > kFootCounts * static_cast<double>(samples.area);
+    cost.total += (has_foot ? kTiltedOnFoot : kTilted) * (1 - static_cast<double>(up_of(degrees).dot(upright)));
+    return cost;
+  }
+};
+
 /// Turns the object so that the face it nearly stands on is flat.
-void stand_flat(const SurfaceSamples& s, Orientation& o) {
+void stand_flat(const Ways& ways, Orientation& o) {
+  const SurfaceSamples& s = ways.samples;
   const Vec3f up = up_of(o.degrees);
   float low = 1e30F;
   for (const SurfaceSample& p : s.patches) low = std::min(low, up.dot(p.position));
@@ -115,36 +133,36 @@ void stand_flat(const SurfaceSamples& s, Orientation& o) {
   const float area = std::sqrt(sum.dot(sum));
   if (!(static_cast<double>(area) > kFootCounts * static_cast<double>(s.area))) return;
   const Angles flat = towards(-sum / area, o.degrees);
-  const OrientationCost cost = cost_of(s, flat);
-  if (cost.total < o.cost.total) o = {flat, cost};
+  const OrientationCost cost = ways.cost(flat);
+  if (cost.total < kHardlyMore * o.cost.total) o = {flat, cost};
 }
 
 /// Turns the object square to the scan's axes if it nearly is and that costs hardly more: the rim of a hole is known to some degrees
 /// only, and scanners stand objects square.
-void lie_square(const SurfaceSamples& s, Orientation& o) {
+void lie_square(const Ways& ways, Orientation& o) {
   const Vec3f up = up_of(o.degrees);
   for (const Angles& square : kSquare) {
     if (!(static_cast<double>(up.dot(up_of(square))) > kNearlySquare)) continue;
-    const OrientationCost cost = cost_of(s, square);
+    const OrientationCost cost = ways.cost(square);
     if (cost.total < kHardlyMore * o.cost.total) o = {square, cost};
   }
 }
 
-void refine(const SurfaceSamples& s, Orientation& o) {
+void refine(const Ways& ways, Orientation& o) {
   for (const double step : {5.0, 2.0}) {
     for (bool better = true; better;) {
       better = false;
       for (const Angles& turn : {Angles{step, 0}, Angles{-step, 0}, Angles{0, step}, Angles{0, -step}}) {
         const Angles to = {o.degrees[0] + turn[0], o.degrees[1] + turn[1]};
-        const OrientationCost cost = cost_of(s, to);
+        const OrientationCost cost = ways.cost(to);
         if (!(cost.total < 0.999 * o.cost.total)) continue;
         o = {to, cost};
         better = true;
       }
     }
   }
-  stand_flat(s, o);
-  lie_square(s, o);
+  stand_flat(ways, o);
+  lie_square(ways, o);
 }
 
 }  // namespace
@@ -155,6 +173,8 @@ OrientationCost cost_of(const SurfaceSamples& samples, const std::array<double, 
 
 std::optional<std::array<Orientation, kBestOrientations>> best_orientations(const SurfaceSamples& samples,
                                                                             const StageProgress& progress) {
+  const auto upright = better_upright(samples);
+  const Ways ways{samples, up_of(upright ? upright->degrees : Angles{})};
   constexpr std::size_t kMost = 12 * 24 + 2;
   std::array<Orientation, kMost> all{};
   std::size_t count = 0;
@@ -163,7 +183,7 @@ std::optional<std::array<Orientation, kBestOrientations>> best_orientations(cons
     const bool pole = y == -6 || y == 6;
     for (int x = 0; x < (pole ? 1 : 24); ++x) {
       const Angles degrees = {x <= 12 ? x * kStep : (x - 24) * kStep, y * kStep};
-      all[count++] = {degrees, cost_of(samples, degrees)};
+      all[count++] = {degrees, ways.cost(degrees)};
     }
   }
   std::stable_sort(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count),
@@ -178,7 +198,7 @@ std::optional<std::array<Orientation, kBestOrientations>> best_orientations(cons
   for (std::size_t i = 0; i < count && found < best.size(); ++i) {
     Orientation o = all[i];
     if (!is_new(o)) continue;
-    refine(samples, o);
+    refine(ways, o);
     best[found++] = is_new(o) ? o : all[i];
     if (!progress.advance(0.7 + 0.3 * static_cast<double>(found) / static_cast<double>(best.size())))
       return std::nullopt;

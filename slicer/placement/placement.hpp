@@ -55,9 +55,11 @@ inline constexpr std::uint32_t kEdgeMargin = 5;
 
 struct PlacementSettings {
   Units units = Units::kMillimetres;
-  double scale = 1;                        ///< of the printed object to the scanned one
-  bool fit = false;                        ///< use the largest scale that fits the printer instead of `scale`
-  std::optional<PrintSize> size;           ///< use the scale that gives this size instead of `scale`
+  double scale = 1;               ///< of the printed object to the scanned one
+  bool fit = false;               ///< use the largest scale that fits the printer instead of `scale`
+  std::optional<PrintSize> size;  ///< use the scale that gives this size instead of `scale`
+  /// Scan units: of the object that `size` means, which has been turned since; none: as it stands now.
+  std::optional<Vec3d> sized_extent;
   Vec3d rotation_degrees = Vec3d::Zero();  ///< about x, then y, then z, right-handed
   float pixel_pitch_mm = 0.05F;            ///< without a printer
   float layer_height_mm = 0.05F;

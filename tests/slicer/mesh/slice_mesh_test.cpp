@@ -313,6 +313,12 @@ TEST(SliceMesh, IsMeasuredAnewWhenItHasBeenTurnedTheBestWayUp) {
   for (const Vec3d& v : pyramid.vertices) box.extend(turn * v);
   EXPECT_LT((slicing.report().placement.size_mm - box.size()).norm(), 1e-9);
   EXPECT_NEAR(slicing.volume(), 20 * 20 * 25 / 3.0, 30);
+  // A height is that of the mesh as it came, 20.
+  settings.placement.size = PrintSize{Side::kHeight, 30};
+  const Slicing sized = sliced(pyramid, settings);
+  EXPECT_NEAR(sized.report().placement.scale, 1.5, 1e-9);
+  EXPECT_NEAR(sized.report().placement.size_mm[2], 1.5 * 25, 0.01);
+  EXPECT_FALSE(sized.report().asked_size);
 }
 
 TEST(SliceMesh, AScanWithFacesStaysAScan) {

@@ -7,6 +7,7 @@
 #include "slicer/placement/placement.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
+#include "tests/slicer/support/slicing.hpp"
 
 namespace plumbline {
 namespace {
@@ -72,6 +73,36 @@ TEST(Orientation, TheBestWayUpOfABoxIsFlat) {
     EXPECT_GT(total.row(2).cwiseAbs().maxCoeff(), std::cos(0.5 * kPi / 180)) << degrees.transpose();
     EXPECT_LT(best->front().cost.support_area, 0.01 * static_cast<double>(box.samples.area));
   }
+}
+
+TEST(Orientation, AHeightIsThatOfTheScanAsItCame) {
+  Random random(5);
+  const Surface leaning = turned(tower(random), {0, 30, 0});
+  Box3d box;
+  for (const SurfacePoint& p : leaning) box.extend(p.position);
+  SliceSettings settings = settings_with_pitch(0.4F);
+  settings.orient = true;
+  settings.placement.size = PrintSize{Side::kHeight, 20};
+  const Slicing sliced(binary_ply(leaning), settings, 64 * kMiB);
+  ASSERT_TRUE(sliced.report().turned);
+  EXPECT_NEAR(sliced.report().placement.scale, 20 / box.size()[2], 0.01);
+}
+
+TEST(Orientation, KeepsAFigureUprightWhereThatCostsLittle) {
+  // A cylinder with round ends: it needs fewer supports lying, and its face would be on the plate.
+  Surface figure = sphere(8000, 6, {0, 0, 0});
+  for (SurfacePoint& p : figure) {
+    if (p.position[2] > 0) p.position[2] += 10;
+  }
+  for (int i = 0; i < 12000; ++i) {
+    const double angle = 2.399963 * i;
+    const Vec3d out(std::cos(angle), std::sin(angle), 0);
+    figure.push_back({6 * out + Vec3d(0, 0, 10.0 * i / 12000), out});
+  }
+  const Sampled sampled(figure);
+  const auto best = best_orientations(sampled.samples, {});
+  ASSERT_TRUE(best);
+  EXPECT_GT(rotation_matrix({best->front().degrees[0], best->front().degrees[1], 0})(2, 2), 0.7);
 }
 
 TEST(Orientation, TheBestFourDifferAndComeInOrder) {
