@@ -162,9 +162,9 @@ void add_supports(Text& text, const JobReport& report) {
       "           tips: %u light, %u medium, %u heavy; one carries at most %.1f mm2; %u brace%s, pillars free over "
       "%.1f mm at most\n",
       s.light, s.medium, s.heavy, s.largest_load_mm2, s.braces, plural_s(s.braces), s.longest_free_mm);
-  if (s.close > 0) {
-    text.add("           %u of them %s closer to the object's walls than asked\n", s.close,
-             s.close == 1 ? "is" : "are");
+  if (s.unreached > 0) {
+    text.add("           %u place%s without a support, which would touch the object's walls\n", s.unreached,
+             plural_s(s.unreached));
   }
 }
 

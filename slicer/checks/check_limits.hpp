@@ -27,14 +27,15 @@ struct CheckLimits {
   bool has_panel = false;                    ///< the grid is a panel, so its edge is one
   double travel_mm = 0;                      ///< of the Z stage; 0: unknown
 
-  // UVtools does not know supports: below a flat underside, heads of 0.4 mm on every 2 to 3 mm hold a fiftieth to a twentieth of the
+  // UVtools does not know supports: below a flat underside, heads of 0.4 mm on every 3 to 4 mm hold a hundredth to a fiftieth of the
   // region, less than its sixteenth. So a region that its share makes an island is none if it rests on two tips or more, and all of it
   // is near to them.
-  /// Least share of the region that they touch, as its inverse: 150 kPa, three times what a flat peels with.
-  std::uint32_t island_tips_divisor = 32;
+  /// Least share of the region that they touch, as its inverse: of green_strength_mpa (5 MPa) 55 kPa, three times what FEP of 0.1 mm
+  /// peels with (AmeraLabs: 12 to 18 kPa).
+  std::uint32_t island_tips_divisor = 90;
   double island_tips_mm2 = 0.05;  ///< that they touch at least: a light tip has 0.07
-  /// Farthest place from what they touch: half of support_overhang_span, and the tenths by which held area lags behind.
-  static constexpr double kIslandTipsReach_mm = 2;
+  /// Farthest place from what they touch: the radius of support_area_per_tip, and the tenths by which held area lags behind.
+  static constexpr double kIslandTipsReach_mm = 2.6;
 
   // UVtools has no such limits.
   /// Of the largest region of a hollow that the plate closes, such as a hole of a raft. The low pressure in it pulls at the plate, not

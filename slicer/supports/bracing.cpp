@@ -9,18 +9,17 @@
 namespace plumbline {
 namespace {
 
-/// Contacts of a pillar are so far apart, mm, and a brace is added where they are farther: below kWantedFree_mm, since places are rounded to
-/// pixels and layers,
-constexpr double kApart = 1.5;
-/// but at least this much more than a brace rises.
-constexpr double kBetween = 0.8;
-/// Longest rise of a brace, mm: with kBetween it must stay below kMostFree_mm.
+/// Between braces of two pillars, mm, so that a cutter gets in; and a brace is added only where a pillar has no contact for longer.
+constexpr double kApart = 6;
+/// mm between a brace and a pillar that it passes.
+constexpr double kPassing = 0.5;
+/// Longest rise of a brace, mm.
 constexpr double kMostRise = 8;
 /// A brace is this share of a pillar's diameter.
 constexpr double kThickness = 0.5;
 /// Props, legs and helpers of a pillar, at most.
-constexpr int kMostProps = 6;
-constexpr int kMostLegs = 3;
+constexpr int kMostProps = 2;
+constexpr int kMostLegs = 1;
 constexpr int kMostHelpers = 2;
 /// Slope of props and legs, at most. A leg at the critical angle from the rim of the base would reach no higher than that is wide.
 constexpr double kSteepest = 3;
@@ -72,9 +71,9 @@ double Bracing::distance(const Pillar& a, const Pillar& b) const {
   return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
 }
 
-/// A brace between such pillars would hold neither.
+/// A brace between such pillars would hold neither, and close the gap between them.
 bool Bracing::stand_in_each_other(const Pillar& a, const Pillar& b) const {
-  return distance(a, b) < a.radius + b.radius + 2 * radius_;
+  return distance(a, b) < a.radius + b.radius + 2 * radius_ + kPassing;
 }
 
 Bracing::Gap Bracing::largest_gap(const Pillar& pillar) const {
@@ -106,41 +105,50 @@ void Bracing::add_contact(Pillar& pillar, double z) {
   pillar.contacts = static_cast<std::uint32_t>(contact_count_++);
 }
 
+/// Whether a brace keeps its distance from the object, and from the pillars between its ends.
 bool Bracing::is_clear(const Place& from, const Place& to) const {
   const double dx = to.x - from.x;
   const double dy = to.y - from.y;
   const double dz = to.z - from.z;
-  const auto steps =
-      static_cast<std::uint32_t>(std::ceil(std::sqrt(dx * dx + dy * dy + dz * dz) / Obstacles::kVoxel_mm)) + 1;
+  const double square = dx * dx + dy * dy;
+  for (const Pillar& pillar : list_.pillars()) {
+    const double x = pillar.x - from.x;
+    const double y = pillar.y - from.y;
+    const double t = square > 0 ? (x * dx + y * dy) / square : 0;
+    const double room = pillar.radius + radius_ + kPassing;
+    const bool is_end = (x == 0 && y == 0) || (pillar.x == to.x && pillar.y == to.y);
+    if (is_end || !(t > 0 && t < 1) || from.z + t * dz < pillar.bottom || from.z + t * dz > pillar.top) continue;
+    if ((x - t * dx) * (x - t * dx) + (y - t * dy) * (y - t * dy) < room * room) return false;
+  }
+  const auto steps = static_cast<std::uint32_t>(std::ceil(std::sqrt(square + dz * dz) / Obstacles::kVoxel_mm)) + 1;
   for (std::uint32_t i = 0; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
     if (!obstacles_.is_clear(static_cast<std::int64_t>(std::floor((from.x + t * dx) / px_ + 0.5)),
                              static_cast<std::int64_t>(std::floor((from.y + t * dy) / py_ + 0.5)),
                              static_cast<std::int64_t>(std::floor((from.z + t * dz) / lh_)),
-                             nanometres(radius_ + settings_.base_safety_distance / 2))) {
+                             nanometres(radius_ + settings_.base_safety_distance))) {
       return false;
     }
   }
   return true;
 }
 
-Expected<bool> Bracing::zigzag(Pillar& a, Pillar& b) {
+Expected<bool> Bracing::join(Pillar& a, Pillar& b) {
   const double rise = distance(a, b) * slope_;
   if (rise > kMostRise || stand_in_each_other(a, b)) return false;
   const double low = std::max(foot(a), foot(b));
   double high = std::min(a.top, b.top);
-  Pillar* upper = a.top >= b.top ? &a : &b;
-  Pillar* lower = upper == &a ? &b : &a;
+  Pillar& upper = a.top >= b.top ? a : b;
+  Pillar& lower = &upper == &a ? b : a;
   bool any = false;
   while (high - rise > low && has_room()) {
-    const Place from{lower->x, lower->y, high - rise};
-    const Place to{upper->x, upper->y, high};
-    const bool helps = gap_at(*lower, from.z).height() > kApart || gap_at(*upper, to.z).height() > kApart;
+    const Place from{lower.x, lower.y, high - rise};
+    const Place to{upper.x, upper.y, high};
+    const bool helps = gap_at(lower, from.z).height() > kApart || gap_at(upper, to.z).height() > kApart;
     if (helps && is_clear(from, to)) {
-      PLUMBLINE_TRY(add_brace(*lower, *upper, from, to));
+      PLUMBLINE_TRY(add_brace(lower, upper, from, to));
       any = true;
-      std::swap(lower, upper);
-      high -= std::max(kApart - rise, kBetween);
+      high -= std::max(kApart, rise);
     } else {
       high -= std::max(lh_, Obstacles::kVoxel_mm);
     }
@@ -178,7 +186,7 @@ Status Bracing::brace(std::size_t index) {
     if (nearest == pillars.size()) break;
     reached = least;
     last = nearest;
-    const auto done = zigzag(pillar, pillars[nearest]);
+    const auto done = join(pillar, pillars[nearest]);
     PLUMBLINE_TRY(done);
   }
   const auto add_up_to = [&](int most, double wanted_mm, auto add) -> Status {
@@ -282,7 +290,7 @@ Expected<bool> Bracing::add_helper(std::size_t index, const Gap& gap) {
                               helper.radius));
       ++counts_.helpers;
       const auto pillars = list_.pillars();
-      return zigzag(pillars[index], pillars.back());
+      return join(pillars[index], pillars.back());
     }
   }
   return false;

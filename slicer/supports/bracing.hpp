@@ -24,7 +24,7 @@ struct BraceCounts {
   double longest_free_mm = 0;  ///< of all pillars
 };
 
-/// Puts zig-zags of braces between neighbouring pillars until none has more than kWantedFree_mm without one, from its foot to its
+/// Puts braces between neighbouring pillars until none has more than kWantedFree_mm without one, from its foot to its
 /// head, or no neighbour within max_pillar_link_distance is left. A pillar that then has more gets props: braces to the middle of such a
 /// stretch, from neighbours that may be lower, at the critical angle or steeper; and up to three legs: braces from the rim of its base, as
 /// high as these reach. One that still has more than kMostFree_mm gets a helper: a second pillar beside it.
@@ -32,7 +32,7 @@ struct BraceCounts {
 class Bracing {
  public:
   static constexpr double kMostFree_mm = 10;
-  static constexpr double kWantedFree_mm = 2;
+  static constexpr double kWantedFree_mm = 8;
 
   /// @param contacts  room for most_contacts()
   Bracing(const SupportSettings& settings, double raft_mm, const Obstacles& obstacles, StrutList& list,
@@ -54,7 +54,7 @@ class Bracing {
   bool is_clear(const Place& from, const Place& to) const;
 
   /// @returns whether any brace was added
-  Expected<bool> zigzag(Pillar& a, Pillar& b);
+  Expected<bool> join(Pillar& a, Pillar& b);
   Status brace(std::size_t index);
   Expected<bool> add_prop(Pillar& pillar, const Gap& gap);
   Expected<bool> add_leg(Pillar& pillar, const Gap& gap);

@@ -171,6 +171,27 @@ bool Obstacles::is_column_clear(std::int64_t column, std::int64_t row, std::int6
   return layer < 0 || lowest_[std::size_t{y} * nx_ + x] > static_cast<std::uint32_t>(layer) / layers_;
 }
 
+std::uint32_t Obstacles::floor_below(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const {
+  std::uint32_t z = std::min(layer / layers_, nz_);
+  while (z > 0 && !slab(z - 1).at(column / columns_, row / rows_)) --z;
+  return z * layers_;
+}
+
+bool Obstacles::is_footing(std::uint32_t column, std::uint32_t row, std::uint32_t floor) const {
+  const std::uint32_t x = column / columns_;
+  const std::uint32_t y = row / rows_;
+  const std::uint32_t z = floor / layers_;
+  if (z == 0 || x == 0 || y == 0 || x + 1 >= nx_ || y + 1 >= ny_) return false;
+  const ConstBitImage below = slab(z - 1);
+  const ConstBitImage lower = slab(z - std::min(z, 2U));
+  for (std::uint32_t r = y - 1; r <= y + 1; ++r) {
+    for (std::uint32_t c = x - 1; c <= x + 1; ++c) {
+      if (!below.at(c, r) && !lower.at(c, r)) return false;
+    }
+  }
+  return true;
+}
+
 Vec3d Obstacles::normal(std::uint32_t column, std::uint32_t row, std::uint32_t layer, std::int32_t radius) const {
   const auto x = static_cast<std::int32_t>(column / columns_);
   const auto y = static_cast<std::int32_t>(row / rows_);

@@ -34,6 +34,12 @@ class Obstacles {
   /// Whether no solid is within column_radius of a pixel, from the plate up to the height of a layer.
   bool is_column_clear(std::int64_t column, std::int64_t row, std::int64_t layer) const;
 
+  /// The first layer above the highest solid below a pixel in a layer; 0: there is none down to the plate.
+  std::uint32_t floor_below(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const;
+  /// Whether the object goes on for a voxel all round a place that it ends below, at most a voxel lower: not on edges, nor on points.
+  /// @param floor  floor_below()
+  bool is_footing(std::uint32_t column, std::uint32_t row, std::uint32_t floor) const;
+
   /// The outward normal of the surface at a place: a unit vector from the centre of what is solid around it. The z axis,
   /// downwards, if nothing is.
   /// @param radius  voxels

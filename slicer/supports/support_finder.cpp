@@ -85,7 +85,10 @@ Status build(std::span<Tip> tips, const SupportSettings& settings, double raft_m
              const Scratch& scratch, StrutList& list, SupportCounts& counts) {
   Routing routing(settings, raft_mm, obstacles, list);
   sort_for_routing(tips);
-  for (const Tip& tip : tips) PLUMBLINE_TRY(routing.route(tip));
+  for (const Tip& tip : tips) {
+    const auto led = routing.route(tip);
+    PLUMBLINE_TRY(led);
+  }
   Bracing bracing(settings, raft_mm, obstacles, list, scratch.contacts);
   PLUMBLINE_TRY(bracing.brace_all());
   if (raft_mm > 0) PLUMBLINE_TRY(add_raft(settings, list, scratch.nearest, scratch.to));
@@ -93,7 +96,7 @@ Status build(std::span<Tip> tips, const SupportSettings& settings, double raft_m
   counts.on_plate = routes.on_plate;
   counts.on_object = routes.on_object;
   counts.on_supports = routes.on_supports;
-  counts.close = routes.close;
+  counts.unreached = routes.unreached;
   counts.light = routes.light;
   counts.medium = routes.medium;
   counts.heavy = routes.heavy;

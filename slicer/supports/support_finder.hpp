@@ -22,7 +22,7 @@ struct SupportCounts {
   std::uint32_t on_object = 0;
   std::uint32_t on_supports = 0;  ///< hang on another support's pillar
   std::uint32_t light = 0, medium = 0, heavy = 0;
-  std::uint32_t close = 0;  ///< nearer to the object's walls than support_base_safety_distance
+  std::uint32_t unreached = 0;  ///< tips without a support, since it would touch the object's walls
   std::uint32_t braces = 0;
   std::uint32_t helpers = 0;  ///< pillars that carry nothing but brace another
   std::uint32_t specks = 0;   ///< left out of the print instead

@@ -21,8 +21,8 @@ namespace plumbline {
 ///     ----------- plate
 struct SupportSettings {
   double head_front_diameter = 0.4;  ///< where a support of medium load meets the object
-  double head_penetration = 0.2;     ///< how far the head reaches into the object, and a foot on it; never through it
-  double head_width = 1;             ///< length of the head
+  double head_penetration = 0.4;     ///< how far the head reaches into the object, and a foot on it; never through it
+  double head_width = 3;             ///< length of the head
   double pillar_diameter = 1;
   double base_diameter = 4;  ///< of the base; a support that ends on the object has a head there instead
   double base_height = 1;
@@ -38,8 +38,8 @@ struct SupportSettings {
   double pad_max_merge_distance = 50;  ///< between bases that it joins
   // What follows is ours.
   double overhang_angle = 45;  ///< from the horizontal; a steeper surface carries itself
-  double overhang_span = 3;    ///< between two held places; an overhang longer than half of it gets supports
-  double area_per_tip = 4;     ///< mm2 of overhang that a tip carries at most
+  double overhang_span = 5;    ///< between two held places; an overhang longer than half of it gets supports
+  double area_per_tip = 12;    ///< mm2 of overhang that a tip carries at most
 };
 
 /// A setting, as in files, command lines and reports.

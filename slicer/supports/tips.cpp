@@ -21,6 +21,8 @@ constexpr const char* kStage = "supports";
 
 // The list has room for a tip on every so many pixels or mm2 of the panel, whatever is more.
 constexpr double kPixelsPerTip = 64;
+/// mm: of specks. The region that grows over a higher one would be held late.
+constexpr double kHighestSpeck = 0.2;
 /// mm2: larger islands are flats, which their tips hold as they hold other overhangs.
 constexpr double kDenseIsland = 12;
 constexpr double kPi = 3.14159265358979324;
@@ -56,6 +58,7 @@ class Sweep {
     dense_pixels_ = kDenseIsland / pixel_mm2;
     speck_pixels_ = kPi / 4 * light_tip * light_tip / pixel_mm2;
     penetration_ = static_cast<std::uint32_t>(std::floor(settings.head_penetration / layer_height + 0.5));
+    speck_layers_ = static_cast<std::uint32_t>(std::floor(kHighestSpeck / layer_height + 0.5));
   }
 
   Status take_memory(const SupportSettings& settings, Arena& arena) {
@@ -193,7 +196,7 @@ class Sweep {
       }
     }
     const auto pixels = specks_.subspan(speck_end_, end - speck_end_);
-    if (depth > penetration_) {
+    if (depth > speck_layers_) {
       for (const SpeckPixel& pixel : pixels) fresh_.set(pixel.pixel % grid_.columns, pixel.pixel / grid_.columns);
       return false;
     }
@@ -366,14 +369,15 @@ class Sweep {
   std::uint32_t lifted_;
   Window window_;
   PixelPitch pitch_;
-  Nanometres head_;                ///< radius of a tip of medium load
-  Nanometres light_head_;          ///< and of light load
-  Nanometres reach_ = 0;           ///< of a tip
-  std::uint32_t penetration_ = 0;  ///< layers
-  std::uint32_t index_ = 0;        ///< of the layer, in the stream
-  double speck_pixels_ = 0;        ///< of a speck, at most
-  double dense_pixels_ = 0;        ///< of an island, at most, that gets dense tips
-  std::span<Tip> list_;            ///< by layer
+  Nanometres head_;                 ///< radius of a tip of medium load
+  Nanometres light_head_;           ///< and of light load
+  Nanometres reach_ = 0;            ///< of a tip
+  std::uint32_t penetration_ = 0;   ///< layers
+  std::uint32_t speck_layers_ = 0;  ///< of a speck, at most
+  std::uint32_t index_ = 0;         ///< of the layer, in the stream
+  double speck_pixels_ = 0;         ///< of a speck, at most
+  double dense_pixels_ = 0;         ///< of an island, at most, that gets dense tips
+  std::span<Tip> list_;             ///< by layer
   std::size_t count_ = 0;
   std::span<SpeckPixel> specks_;
   std::size_t speck_end_ = 0;

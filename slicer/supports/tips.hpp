@@ -52,7 +52,7 @@ struct FoundTips {
 /// those at most a few millimetres below.
 ///
 /// An island that is a *speck* gets no tip, but is to be left out of the print: it has at most the area of a light tip and, with such
-/// islands below it, at most the height to which a head reaches into the object. What a scan's last noise leaves at the lower end of a surface
+/// islands below it, a height of 0.2 mm. What a scan's last noise leaves at the lower end of a surface
 /// is that small, and vanishes in the region that grows over it. A tip would be larger, and so would its scar.
 /// @param settings  accepted by check_support_settings()
 /// @param rrep      not lifted yet

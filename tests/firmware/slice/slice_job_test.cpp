@@ -190,6 +190,7 @@ TEST(SliceJob, TellsWhatFallsWithoutSupportsAndDrawsIt) {
   EXPECT_TRUE(told);
 
   settings.supports = SupportSettings{};
+  settings.slice.placement.room = support_room(*settings.supports);
   const auto supported = run(settings);
   ASSERT_TRUE(supported.has_value()) << supported.error().message();
   EXPECT_EQ(supported->findings->count(IssueKind::kFreePiece), 0U);

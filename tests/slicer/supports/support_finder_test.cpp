@@ -21,8 +21,8 @@ using namespace testing;
 using ::testing::HasSubstr;
 
 // With the default settings, in pixels of 0.1 mm.
-constexpr double kReach = 15;   ///< half of the longest bridge
-constexpr double kRounded = 6;  ///< the growth lags by up to 4 pixels; the rest is rounding
+constexpr double kReach = 19.5;  ///< of a tip: sqrt(support_area_per_tip / pi)
+constexpr double kRounded = 6;   ///< the growth lags by up to 4 pixels; the rest is rounding
 constexpr std::uint32_t kSide = 64;
 
 /// On the plate as it is.
@@ -61,10 +61,10 @@ struct Supported {
   std::vector<Pixels> masks;   ///< with them
 };
 
-/// Checks what holds for every object: nothing floats; each tip is at the object, no strut passes through it, and each is there in
+/// Checks what holds for every object: nothing floats but what no support reaches; each tip is at the object, no strut passes through it, and each is there in
 /// all of its layers; no pixel of the object is lost.
 void expect_printable(const Supported& s) {
-  EXPECT_EQ(floating_islands(s.masks), 0U);
+  EXPECT_LE(floating_islands(s.masks), 2 * s.counts.unreached);
   for (const Strut& strut : s.supports.list) {
     if (strut.kind == StrutKind::kTip) {
       EXPECT_TRUE(s.object[strut.first].at(strut.column0, strut.row0));
@@ -88,9 +88,11 @@ void expect_printable(const Supported& s) {
     }
   }
   EXPECT_EQ(s.counts.all(), s.supports.tips());
-  EXPECT_EQ(s.counts.islands + s.counts.overhangs, s.counts.all());
+  EXPECT_EQ(s.counts.islands + s.counts.overhangs, s.counts.all() + s.counts.unreached);
   EXPECT_EQ(s.counts.light + s.counts.medium + s.counts.heavy, s.counts.all());
-  EXPECT_LE(s.hang(), kReach + kRounded);
+  if (s.counts.unreached == 0) {
+    EXPECT_LE(s.hang(), kReach + kRounded);
+  }
 }
 
 /// Upright, its apex at the bottom.
@@ -143,12 +145,12 @@ TEST(Supports, HoldASpeckThatOnlyAThickerTipWouldTouch) {
 
 TEST(Supports, HoldABlobThatHangsOnAFewPixels) {
   // 9 of 100 pixels continue from below. Nothing is farther than 1 mm from these, so it is no overhang.
-  const Inside blob = blocks({{5, 25, 5, 25, 0, 40}, {40, 43, 40, 43, 0, 40}, {37, 47, 37, 47, 20, 30}});
-  const Supported s(blob);
+  const Inside blob = blocks({{5, 25, 5, 25, 0, 40}, {40, 43, 40, 43, 0, 40}, {37, 47, 37, 47, 30, 40}});
+  const Supported s(cubic_grid(2 * kSide, 48), blob);
   expect_printable(s);
   ASSERT_EQ(s.tips().size(), 1U);
   EXPECT_EQ(s.counts.islands, 1U);
-  EXPECT_EQ(s.tips()[0].first, 20U);
+  EXPECT_EQ(s.tips()[0].first, 30U);
   EXPECT_EQ(check(s.object, {}).count(IssueKind::kIsland), 1U);
   EXPECT_EQ(check(s.masks, {}).count(IssueKind::kIsland), 0U);
   // 25 pixels of 80 hold.
@@ -156,30 +158,51 @@ TEST(Supports, HoldABlobThatHangsOnAFewPixels) {
   EXPECT_EQ(held.tips().size(), 0U);
 }
 
-/// A roof that a wall holds, and under it an icicle above other blocks. Pixels of 0.025 mm.
+/// A roof that a wall holds, and under it an icicle above other blocks.
 Supported cave_above(const std::vector<Block>& others) {
   std::vector<Block> all = {
       {2, 62, 2, 62, 0, 10}, {2, 8, 2, 62, 10, 100}, {2, 62, 2, 62, 90, 100}, {30, 35, 30, 35, 80, 90}};
   all.insert(all.end(), others.begin(), others.end());
-  return Supported(cubic_grid(kSide, 100, 0.025F), blocks(all));
+  return Supported(cubic_grid(kSide, 100), blocks(all));
+}
+
+/// Whether each foot on the object rests on it with at least half of a tip's area.
+bool feet_rest(const Supported& s) {
+  return std::ranges::all_of(s.supports.list, [&](const Strut& foot) {
+    if (foot.kind != StrutKind::kBase || foot.first == 0 || foot.radius0 == foot.radius1) return true;
+    int pixels = 0;
+    int resting = 0;
+    for (int y = -2; y <= 2; ++y) {
+      for (int x = -2; x <= 2; ++x) {
+        if (x * x + y * y > 4) continue;
+        ++pixels;
+        for (std::uint32_t k = foot.first - 3; k <= foot.first; ++k) {
+          if (!s.object[k].at(foot.column0 + x, foot.row0 + y)) continue;
+          ++resting;
+          break;
+        }
+      }
+    }
+    return 2 * resting >= pixels;
+  });
 }
 
 TEST(Supports, StandInTheObjectAndNotOnThePointOfASpire) {
-  // The spire's point has 9 pixels, a foot there 113.
+  // The spire's point has 9 pixels, a foot there 13.
   const Supported s = cave_above({{24, 41, 24, 41, 10, 35}, {31, 34, 29, 32, 35, 40}});
   EXPECT_GE(s.counts.on_object, 1U);
-  EXPECT_TRUE(s.masks[40].at(28, 32)) << "the foot is on the spire";
+  EXPECT_TRUE(feet_rest(s));
   EXPECT_EQ(floating_islands(s.masks), 0U);
-  EXPECT_EQ(check(s.masks, {}, 0.025F).count(IssueKind::kIsland), 0U);
+  EXPECT_EQ(check(s.masks, {}).count(IssueKind::kIsland), 0U);
 }
 
 TEST(Supports, StandBesideTheEdgeOfAThinWallAndNotOnIt) {
   // A foot on the edge of a wall of 2 x 12 pixels would be torn off.
   const Supported s = cave_above({{31, 33, 26, 38, 10, 40}});
   EXPECT_GE(s.counts.on_object, 1U);
-  EXPECT_TRUE(s.masks[12].at(28, 32)) << "the foot is on the floor";
+  EXPECT_TRUE(feet_rest(s));
   EXPECT_EQ(floating_islands(s.masks), 0U);
-  EXPECT_EQ(check(s.masks, {}, 0.025F).count(IssueKind::kTear), 0U);
+  EXPECT_EQ(check(s.masks, {}).count(IssueKind::kTear), 0U);
 }
 
 TEST(Supports, HoldTheWingsOfAT) {
@@ -253,12 +276,13 @@ TEST(Supports, LeaveShortBridgesFree) {
   };
   const Supported shorter(bridge(28));
   EXPECT_TRUE(shorter.supports.empty());
-  const Supported longer(bridge(36));
+  const Supported longer(bridge(54));
   expect_printable(longer);
   EXPECT_FALSE(longer.supports.empty());
   SupportSettings settings = on_the_plate();
-  settings.overhang_span = 4;
-  EXPECT_TRUE(Supported(bridge(36), settings).supports.empty());
+  settings.overhang_span = 8;
+  settings.area_per_tip = 60;
+  EXPECT_TRUE(Supported(bridge(54), settings).supports.empty());
 }
 
 TEST(Supports, EndOnTheObjectWhereItIsBelow) {

@@ -100,7 +100,7 @@ TEST(SupportShape, BracesEveryPillarWithinTenMillimetres) {
   EXPECT_GE(print.counts.helpers, 1U);
   EXPECT_EQ(print.counts.unbraced, 0U);
   EXPECT_GT(print.longest_free(), 1);
-  EXPECT_LE(print.longest_free(), Bracing::kWantedFree_mm + 6 * kPitch);
+  EXPECT_LE(print.longest_free(), Bracing::kMostFree_mm + 6 * kPitch);
   EXPECT_LE(print.counts.longest_free_mm, Bracing::kMostFree_mm);
   SupportSettings none;
   none.max_pillar_link_distance = 0;
@@ -110,9 +110,10 @@ TEST(SupportShape, BracesEveryPillarWithinTenMillimetres) {
 }
 
 TEST(SupportShape, PropsALonePillarByLegsOnItsOwnBase) {
-  // A ball of 1.6 mm, 5 mm above the raft.
-  const Print print(120, 20, ball(60, 60, 8, 8));
-  EXPECT_EQ(print.counts.lifted, kLift);
+  // A ball of 1.6 mm, 15 mm above the raft.
+  SupportSettings settings;
+  settings.object_elevation = 15;
+  const Print print(120, 20, ball(60, 60, 8, 8), settings);
   EXPECT_EQ(floating_islands(print.masks), 0U);
   EXPECT_EQ(print.counts.helpers, 0U);
   EXPECT_LE(print.counts.longest_free_mm, Bracing::kWantedFree_mm + 4 * kPitch);
@@ -179,7 +180,7 @@ TEST(SupportShape, PropsAPillarFromOneThatIsLower) {
 TEST(SupportShape, PutsNoBracesBetweenPillarsThatNearlyTouch) {
   for (const double beside : {4.3, 5.3}) {
     const Braced three(200, {{4, 10}, {beside, 10}, {8, 10}});
-    EXPECT_GT(three.counts.braces, 6U);
+    EXPECT_GT(three.counts.braces, 1U);
     EXPECT_LE(three.counts.longest_free_mm, Bracing::kWantedFree_mm);
     for (const Strut& brace : three.struts) {
       EXPECT_NE(brace.column0 + brace.column1, std::lround(40 + 10 * beside));
@@ -210,7 +211,9 @@ TEST(SupportShape, PointsHeadsAlongTheSurfacesNormal) {
     const double up = k - 0.839 * (c - 100.0);
     return c >= 100 && c < 200 && r >= 100 && r < 160 && up >= 20 && up < 50;
   };
-  const Print print(300, 140, slab);
+  SupportSettings settings;
+  settings.area_per_tip = 4;
+  const Print print(300, 140, slab, settings);
   int along = 0;
   int all = 0;
   for (const Strut& head : print.of(StrutKind::kHead)) {
@@ -232,7 +235,7 @@ TEST(SupportShape, KeepsPillarsAMillimetreFromWallsAndLeadsThemToThePlate) {
   const Print print(260, 100, table);
   EXPECT_EQ(print.counts.lifted, 0U);
   EXPECT_EQ(floating_islands(print.masks), 0U);
-  EXPECT_EQ(print.counts.close + print.counts.on_object, print.counts.on_object) << "only those on the table are close";
+  EXPECT_EQ(print.counts.unreached, 0U);
   std::uint32_t measured = 0;
   for (const Strut& strut : print.of(StrutKind::kPillar)) {
     if (strut.first > 0) continue;
@@ -247,6 +250,43 @@ TEST(SupportShape, KeepsPillarsAMillimetreFromWallsAndLeadsThemToThePlate) {
     }
   }
   EXPECT_GT(measured, 0U);
+}
+
+TEST(SupportShape, GivesNoSupportToWhatItCantReach) {
+  // A drop in a shaft 1.6 mm wide and 8 mm deep: every pillar would stand nearer than a millimetre to the shaft's walls. Beside it one above
+  // the plate.
+  const Inside things = [](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const bool shaft = c >= 52 && c < 68 && r >= 52 && r < 68;
+    const bool block = c >= 30 && c < 90 && r >= 30 && r < 90 && (!shaft || k < 10);
+    return (block && k < 100) || ball(60, 60, 94, 5)(c, r, k) || ball(150, 60, 94, 5)(c, r, k);
+  };
+  const Print print(200, 110, things);
+  EXPECT_EQ(print.counts.all(), 1U);
+  EXPECT_EQ(print.counts.unreached, 1U);
+  EXPECT_EQ(floating_islands(print.masks), 1U) << "the one in the shaft";
+  for (const Strut& strut : print.supports.list) EXPECT_GT(strut.column0, 100);
+}
+
+TEST(SupportShape, LeavesACutterRoomBetweenPillarsAndBetweenBraces) {
+  // A board 24 mm above the plate.
+  const Print print(360, 250, blocks({{60, 260, 60, 260, 200, 230}, {150, 170, 150, 170, 0, 200}}));
+  const auto pillars = print.of(StrutKind::kPillar);
+  ASSERT_GT(pillars.size(), 4U);
+  std::uint32_t joined = 0;
+  for (const Strut& a : pillars) {
+    for (const Strut& b : pillars) {
+      if (&a == &b) continue;
+      const double apart =
+          std::hypot(a.column0 - b.column0, a.row0 - b.row0) * kPitch - (a.radius0 + b.radius0) / 1000.0;
+      EXPECT_GT(apart, 1 - kPitch);
+    }
+    std::vector<double> braces;
+    for (const Strut& brace : print.of(StrutKind::kBrace)) {
+      if (brace.column0 == a.column0 && brace.row0 == a.row0) braces.push_back(brace.first * kPitch);
+    }
+    joined += braces.empty() ? 0 : 1;
+  }
+  EXPECT_GT(joined, 0U);
 }
 
 TEST(SupportShape, LimitsTheAreaThatATipCarries) {
