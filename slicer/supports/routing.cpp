@@ -48,13 +48,14 @@ constexpr double kAtTip = 0.75;
 /// Lengths of heads, as shares of head_width.
 constexpr std::array<double, 3> kLengths = {1, 0.5, 0.25};
 
-// Light below a quarter of the most load, heavy above three quarters: diameters of tip and pillar.
+// Light up to kLightLoad or a quarter of the most load, heavy above three quarters: diameters of tip and pillar.
 struct LoadClass {
   double tip, pillar;
+  std::uint32_t RouteCounts::*count;
 };
-constexpr LoadClass kLight = {kLightTip, 0.75};
-constexpr LoadClass kMedium = {1, 1};
-constexpr LoadClass kHeavy = {1.5, 1.2};
+constexpr LoadClass kLight = {kLightTip, 0.75, &RouteCounts::light};
+constexpr LoadClass kMedium = {1, 1, &RouteCounts::medium};
+constexpr LoadClass kHeavy = {1.5, 1.2, &RouteCounts::heavy};
 
 }  // namespace
 
@@ -72,8 +73,11 @@ Routing::Routing(const SupportSettings& settings, double raft_mm, const Obstacle
 }
 
 Expected<bool> Routing::route(const Tip& tip) {
-  const double share = tip.load * px_ * py_ / settings_.area_per_tip;
-  const LoadClass& load = share < 0.25 ? kLight : share > 0.75 ? kHeavy : kMedium;
+  const double carries = tip.load * px_ * py_;
+  const double most = settings_.area_per_tip;
+  const LoadClass& load = carries < std::min(kLightLoad, 0.25 * most) ? kLight
+                          : carries > 0.75 * most                     ? kHeavy
+                                                                      : kMedium;
   Head head;
   head.tip = {tip.column * px_, tip.row * py_, tip.layer * lh_};
   head.radius = settings_.pillar_diameter / 2 * load.pillar;
@@ -84,7 +88,7 @@ Expected<bool> Routing::route(const Tip& tip) {
     ++counts_.unreached;
     return false;
   }
-  ++(share < 0.25 ? counts_.light : share > 0.75 ? counts_.heavy : counts_.medium);
+  ++(counts_.*load.count);
   PLUMBLINE_TRY(list_.add(StrutKind::kTip, head.tip, head.tip, tip.layer, tip.end, head.tip_radius, head.tip_radius));
   PLUMBLINE_TRY(list_.add(StrutKind::kHead, head.joint, head.tip,
                           std::min(std::uint32_t{tip.layer}, list_.layer_at(head.joint.z)), tip.layer, head.radius,

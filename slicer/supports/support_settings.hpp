@@ -53,6 +53,8 @@ struct SupportField {
 
 /// Diameter of a tip of light load, as a share of head_front_diameter.
 inline constexpr double kLightTip = 0.75;
+/// mm2 of overhang that it carries at most: an island of more, on one such tip, is one to UVtools still.
+inline constexpr double kLightLoad = 0.7;
 
 /// Largest support_overhang_span, mm: bounds the memory of the search.
 inline constexpr double kLongestSpan = 30;

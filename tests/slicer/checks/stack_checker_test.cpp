@@ -119,10 +119,10 @@ std::vector<Pixels> plate_on_posts(std::uint32_t apart, std::uint32_t columns_wi
 TEST(StackChecker, FindsNoIslandThatRestsOnTipsAllOver) {
   // 9 of 225 pixels are held, 4 %.
   EXPECT_EQ(check(plate_on_posts(15, kSide), {}).count(IssueKind::kIsland), 0U);
-  // 9 of 324, less than a thirty-second.
-  EXPECT_EQ(check(plate_on_posts(18, kSide), {}).count(IssueKind::kIsland), 1U);
-  // The same posts, none below the last 2.5 mm.
-  EXPECT_EQ(check(plate_on_posts(15, 70), {}).count(IssueKind::kIsland), 1U);
+  // 9 of 900, less than a ninetieth.
+  EXPECT_EQ(check(plate_on_posts(30, kSide), {}).count(IssueKind::kIsland), 1U);
+  // Posts 1.5 mm apart, none below the last 3.4 mm.
+  EXPECT_EQ(check(plate_on_posts(15, 60), {}).count(IssueKind::kIsland), 1U);
   // In finer pixels the posts have 0.02 mm2 each, but touch 4 % all the same, and are nearer.
   EXPECT_EQ(check(plate_on_posts(15, kSide), {}, 0.05F).count(IssueKind::kIsland), 0U);
 }
@@ -136,7 +136,7 @@ TEST(StackChecker, FindsTheIslandBesideTipsOfAnotherRegion) {
 }
 
 TEST(StackChecker, FindsASmallIslandThatTouchesLessThanATip) {
-  // 10 of 288 pixels are held, a twenty-ninth, all nearer than 2 mm: 0.025 mm2 with pixels of 0.05 mm.
+  // 10 of 288 pixels are held, a twenty-ninth, all nearer than 2.6 mm: 0.025 mm2 with pixels of 0.05 mm.
   const auto masks =
       stack_of(kSide, 2, blocks({{40, 45, 40, 41, 0, 1}, {50, 55, 40, 41, 0, 1}, {34, 58, 36, 48, 1, 2}}));
   EXPECT_EQ(check(masks, {}, 0.05F).count(IssueKind::kIsland), 1U);
