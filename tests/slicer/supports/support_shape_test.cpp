@@ -339,7 +339,7 @@ TEST(SupportShape, HoldsItsTipsOnCoarsePixelsToo) {
     solid.move_to(*arena);
     SupportCounts counts;
     const Supports supports = value_of(find_supports(solid.rrep, {}, PrintGrid::kMaxLayers, *arena, nullptr, counts));
-    EXPECT_GT(counts.light, 0U);
+    EXPECT_GT(counts.all(), 0U);
     EXPECT_EQ(floating_islands(solid.masks(&supports)), 0U) << pitch;
   }
 }
