@@ -2,4 +2,4 @@
 
 #include "firmware/page/page_command_line.hpp"
 
-int main(int argc, char** argv) { return static_cast<int>(plumbline::run_page_command_line(argc, argv)); }
+int main(int argc, char** argv) { return static_cast<int>(plumbline::firmware::run_page_command_line(argc, argv)); }

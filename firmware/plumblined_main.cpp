@@ -6,5 +6,5 @@
 
 int main(int argc, char** argv) {
   constexpr std::size_t kLargestArena = std::size_t{PLUMBLINE_ARENA_MIB} * 1024 * 1024;
-  return static_cast<int>(plumbline::run_daemon_command_line(argc, argv, kLargestArena));
+  return static_cast<int>(plumbline::firmware::run_daemon_command_line(argc, argv, kLargestArena));
 }

@@ -8,7 +8,7 @@
 #include "hal/events.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// What await() does after an event.
 enum class Waiting : std::uint8_t {
@@ -40,4 +40,4 @@ template <class Action, std::invocable<const Event&> OnEvent>
   return true;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// One device that a board file can name.
 struct BoardPart {
@@ -13,4 +13,4 @@ struct BoardPart {
   std::string detail;  ///< what else is known: modes, who holds the line
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -5,7 +5,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// The machine's time scale. Its zero is arbitrary, it never jumps, and it doesn't survive a restart.
 struct MachineTime {
@@ -39,4 +39,4 @@ class Clock {
   virtual Status do_sleep_until(TimePoint deadline) = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -8,7 +8,7 @@
 #include "hal/clock.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 enum class EventKind : std::uint8_t {
   kStartPressed,       ///< button: print, or resume a paused print
@@ -51,4 +51,4 @@ class Events {
   virtual Expected<std::optional<Event>> do_next_event(TimePoint deadline) = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

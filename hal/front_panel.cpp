@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 Status FrontPanel::set_light(PanelLight light, LightState state) {
   PLUMBLINE_TRY(interlock_.check_power());
@@ -14,4 +14,4 @@ Status FrontPanel::beep(nanoseconds time) {
   return do_beep(std::clamp(time, nanoseconds::zero(), kLongestBeep));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

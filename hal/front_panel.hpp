@@ -8,7 +8,7 @@
 #include "hal/interlock.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 enum class PanelLight : std::uint8_t {
   kReady,      ///< ready for a job
@@ -50,4 +50,4 @@ class FrontPanel {
   Interlock& interlock_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -7,7 +7,7 @@
 #include "hal/uv_lamp.hpp"
 #include "hal/z_stage.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 Status Interlock::check_power() const {
   if (!powered_) return fail(ErrorCode::kPowerLost, "the power failed:\tresume the job when it is back");
@@ -34,4 +34,4 @@ bool Interlock::cover_open() const {
   return panel_->cover_open();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

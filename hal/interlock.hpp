@@ -3,7 +3,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 class FrontPanel;
 class MaskDisplay;
@@ -45,4 +45,4 @@ class Interlock {
   const FrontPanel* panel_ = nullptr;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -11,7 +11,7 @@
 #include "hal/uv_lamp.hpp"
 #include "hal/z_stage.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 struct Machine {
   Clock& clock;
@@ -25,4 +25,4 @@ struct Machine {
   StatusScreen* screen = nullptr;  ///< null: the printer has none
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// The state of one device or permission that the printer needs.
 struct MachineFinding {
@@ -18,4 +18,4 @@ struct MachineFinding {
   std::string advice;  ///< what to do; empty: nothing
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

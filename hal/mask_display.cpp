@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 MaskBuffer& MaskBuffer::operator=(MaskBuffer&& other) noexcept {
   if (this != &other) {
@@ -57,4 +57,4 @@ Status MaskDisplay::blank() {
   return do_blank();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

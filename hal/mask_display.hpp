@@ -8,7 +8,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 class MaskDisplay;
 
@@ -90,4 +90,4 @@ class MaskDisplay {
   bool presented_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -1,7 +1,7 @@
 #include "hal/events.hpp"
 #include "hal/thermals.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 std::string_view to_string(EventKind kind) {
   switch (kind) {
@@ -36,4 +36,4 @@ std::string_view to_string(Fan fan) {
   return "unknown fan";
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -5,7 +5,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// From mask to panel: the mask is rotated, then mirrored, then packed.
 struct PanelLayout {
@@ -55,4 +55,4 @@ struct PanelLayout {
   bool sideways() const { return rotation_deg == 90 || rotation_deg == 270; }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 Ramp::Ramp(Distance distance, Speed speed, Acceleration acceleration) : acceleration_(acceleration.value()) {
   const double distance_mm = distance.millimetres();
@@ -51,4 +51,4 @@ Ramp Ramp::stopped_at(Seconds time) const {
   return stopped;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -5,7 +5,7 @@
 
 #include "hal/units.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// Speeds up with constant acceleration, cruises, and brakes with the same acceleration to stop at the given distance.
 ///
@@ -43,4 +43,4 @@ class Ramp {
   double cruising_ = 0;      // s
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -8,7 +8,7 @@
 #include "hal/clock.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// Where somebody has touched the screen; (0, 0) is its upper left pixel.
 struct ScreenTouch {
@@ -46,4 +46,4 @@ class StatusScreen {
   std::uint32_t rows_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 namespace {
 
 /// Whether a name is relative and can't leave its folder.
@@ -313,4 +313,4 @@ tl::unexpected<Error> not_stored(int reason) {
               why);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -13,7 +13,7 @@
 #include "slicer/core/byte_source.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 class StickPort;
 
@@ -206,4 +206,4 @@ class StickPort {
   bool mounted_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

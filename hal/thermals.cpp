@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 Expected<Celsius> Thermals::temperature(TemperatureSite site) const {
   PLUMBLINE_TRY(interlock_.check_power());
@@ -21,4 +21,4 @@ Status Thermals::set_fan(Fan fan, double duty) {
   return do_set_fan(fan, std::clamp(duty, 0.0, 1.0));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -9,7 +9,7 @@
 #include "hal/units.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// Where a temperature is measured.
 enum class TemperatureSite : std::uint8_t {
@@ -70,4 +70,4 @@ class Thermals {
   Interlock& interlock_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

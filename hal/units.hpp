@@ -6,7 +6,7 @@
 #include <compare>
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// A length along Z in whole nanometres, so that any number of layer heights adds up without rounding.
 class Distance {
@@ -104,4 +104,4 @@ constexpr Distance operator""_mm(unsigned long long value) {
 constexpr Distance operator""_mm(long double value) { return Distance::millimetres(static_cast<double>(value)); }
 }  // namespace literals
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 namespace {
 
 double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
@@ -55,4 +55,4 @@ Expected<ExposureReport> UvLamp::expose(nanoseconds cure) {
   return exposure->finish();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

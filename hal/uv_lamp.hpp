@@ -10,7 +10,7 @@
 #include "hal/units.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 class UvLamp;
 
@@ -133,4 +133,4 @@ class UvLamp {
   Clock& clock_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

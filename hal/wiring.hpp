@@ -9,7 +9,7 @@
 #include "hal/front_panel.hpp"
 #include "hal/thermals.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// What the chip pulls an input to while nothing drives it.
 enum class LineBias : std::uint8_t {
@@ -140,4 +140,4 @@ void for_each_line(SomeWiring& wiring, Visit&& visit) {
   visit(LineRole{"buzzer", "the buzzer"}, wiring.buzzer);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 Motion::~Motion() {
   if (stage_ == nullptr || !stage_->moving()) return;
@@ -98,4 +98,4 @@ Expected<MotionReport> ZStage::move_to(ZPosition target, Speed speed) {
   return motion->finish();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -10,7 +10,7 @@
 #include "hal/units.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 class ZStage;
 
@@ -145,4 +145,4 @@ class ZStage {
   Interlock& interlock_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

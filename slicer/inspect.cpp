@@ -10,7 +10,7 @@
 #include "slicer/rrep_building.hpp"
 #include "slicer/source_checks.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Points that are measured, spread evenly over the tree's order. Medians over all points differ by about a percent.
@@ -139,4 +139,4 @@ Status inspect(ScanSources given, const SliceSettings& asked, Arena& arena, Prog
   return status;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/slice_report.hpp"
 #include "slicer/slice_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The findings of prepare(), further measurements of the scan, and the report of the coarse slice.
 struct InspectReport : PreparationReport {
@@ -47,4 +47,4 @@ inline constexpr auto kNoLook = [](const RRep&, const SliceReport&) -> Status { 
 [[nodiscard]] Status inspect(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                              InspectReport& report, CoarseLook look = kNoLook);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

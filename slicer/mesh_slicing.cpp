@@ -11,7 +11,7 @@
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/source_checks.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Cells along the longest side of a mesh, if the winding number follows its rim.
@@ -262,4 +262,4 @@ Expected<ShotObject> shoot_mesh(MeshFiles& files, const MeshSurvey& survey, cons
       .store = *store, .placement = placement, .flat_underside = field && field->has_base(), .is_mesh = true};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

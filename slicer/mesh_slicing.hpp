@@ -12,7 +12,7 @@
 #include "slicer/slice_report.hpp"
 #include "slicer/slice_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Reads the files once, if they may be a mesh.
 /// @param sources  the same files
@@ -70,4 +70,4 @@ struct PreparedMesh {
                                               const SliceSettings& settings, const StageContext& job,
                                               MeshCounts& counts);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

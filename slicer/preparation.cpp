@@ -15,7 +15,7 @@
 #include "slicer/source_checks.hpp"
 #include "slicer/surface/surface_points.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// The first cell of the thinning is this share of the pixel pitch or of the layer height, the smaller of the two, so that
@@ -414,4 +414,4 @@ PlacedScan move_to_print(const Placement& placement, const PreparedScan& scan) {
   return placed;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -13,7 +13,7 @@
 #include "slicer/slice_report.hpp"
 #include "slicer/slice_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A scan at the top of the arena, in scan units, rotated.
 struct ReadScan {
@@ -93,4 +93,4 @@ struct PlacedScan {
 /// @param placement  of the rotated scan
 PlacedScan move_to_print(const Placement& placement, const PreparedScan& scan);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -17,7 +17,7 @@
 #include "slicer/surface/clustering.hpp"
 #include "slicer/surface/joined_points.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 // Difference between a ray and the polynomial that may stand for it: this share of a layer, or of the noise if that is more.
@@ -200,4 +200,4 @@ Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, cons
   return rrep;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

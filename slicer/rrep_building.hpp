@@ -10,7 +10,7 @@
 #include "slicer/slice_report.hpp"
 #include "slicer/slice_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A placed object once its rays have been shot.
 struct ShotObject {
@@ -40,4 +40,4 @@ struct ShotObject {
 [[nodiscard]] Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, const StageContext& job,
                                          SliceReport& report);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -21,7 +21,7 @@
 #include "slicer/surface/stray_pieces.hpp"
 #include "slicer/views/registration.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Lengths that were measured on the scan; see the stage results that they are copied from.
 template <class Unit>
@@ -110,4 +110,4 @@ struct SliceReport : PreparationReport {
   ConfidenceMap confidence;       ///< in the arena below the R-Rep and valid as long as it is; empty unless asked for
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

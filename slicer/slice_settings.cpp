@@ -6,7 +6,7 @@
 
 #include "slicer/rays/ray_shooter.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 SliceSettings set_threads(const SliceSettings& settings) {
   SliceSettings checked = settings;
@@ -15,4 +15,4 @@ SliceSettings set_threads(const SliceSettings& settings) {
   return checked;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

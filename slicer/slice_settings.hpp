@@ -10,7 +10,7 @@
 #include "slicer/placement/placement.hpp"
 #include "slicer/reader/read_as.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct SliceSettings {
   ReadAs as = ReadAs::kAuto;
@@ -30,4 +30,4 @@ struct SliceSettings {
 /// @returns `settings` with 1 to kMaxThreads threads
 SliceSettings set_threads(const SliceSettings& settings);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include "slicer/rrep_building.hpp"
 #include "slicer/source_checks.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Refuses an object that can't fit, whatever the next stages leave out of it, before they take their minutes. An object that is
@@ -88,4 +88,4 @@ Expected<RRep> slice(ScanSources given, const SliceSettings& asked, Arena& arena
   return rrep;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

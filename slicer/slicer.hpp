@@ -9,7 +9,7 @@
 #include "slicer/slice_report.hpp"
 #include "slicer/slice_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Reads a scan and builds its R-Rep at the bottom of the arena. On return the top of the arena is as before, and after an
 /// error the bottom is too.
@@ -25,4 +25,4 @@ namespace plumbline {
   return slice(ScanSources(one), settings, arena, progress, report);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// An object with fewer pixels along its longest side must be in another unit: nobody prints anything so small.
@@ -60,4 +60,4 @@ Units units_of(const Box3d& bounds, const PlacementSettings& settings) {
   return settings.units == Units::kAuto ? guess_units(bounds.size().maxCoeff()) : settings.units;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

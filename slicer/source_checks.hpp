@@ -8,7 +8,7 @@
 #include "slicer/placement/placement.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Tests that files whose format fixes their unit share a frame only with others of that unit.
 /// @param some_in_mm        some files are of such a format
@@ -38,4 +38,4 @@ PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeade
 /// @param settings  of a scan: after heed_header()
 Units units_of(const Box3d& bounds, const PlacementSettings& settings);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/supports/stand.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 std::uint32_t most_layers(const PlacementSettings& placement) {
@@ -54,4 +54,4 @@ PlacementRoom support_room(const SupportSettings& settings) {
           .below_mm = lift_mm(settings)};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/slice_report.hpp"
 #include "slicer/supports/support_finder.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// find_supports() for what slice() returned. The report follows the object when it is lifted or sinks.
 /// @param placement  that it was sliced with: the printer's travel is the limit
@@ -25,4 +25,4 @@ AddedSupports added_supports(const SupportCounts& counts, const SliceReport& rep
 /// Room that supports need round the object: heads, bases and raft beside it, and the lift below.
 PlacementRoom support_room(const SupportSettings& settings);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

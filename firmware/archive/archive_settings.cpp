@@ -10,7 +10,7 @@
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 enum class KeyNote : std::uint8_t {
   kNone,
@@ -530,4 +530,4 @@ Status SettingsReader::take(const ArchiveKey& row, std::string_view key, std::st
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

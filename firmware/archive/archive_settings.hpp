@@ -13,7 +13,7 @@
 #include "firmware/settings/print_fields.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 /// What is known of an archive besides the settings of its print.
 enum class ArchiveFact : std::uint8_t {
@@ -143,4 +143,4 @@ class SettingsReader {
   SettingsScanner scanner_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

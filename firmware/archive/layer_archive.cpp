@@ -19,7 +19,7 @@
 #include "slicer/reader/formats/scan_endings.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 namespace {
 
 /// No slicer writes settings this large, even G-code and .uvj, which grow by a few lines with each layer.
@@ -264,4 +264,4 @@ Status read_archive_layer(int file, std::string_view name, const ArchiveLayer& l
   return decode(*zip, layer, turn, out);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

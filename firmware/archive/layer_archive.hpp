@@ -14,7 +14,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 /// Whether a name ends as that of an archive of a sliced print does (kArchiveEndings), in any case.
 bool is_archive_name(std::string_view name);
@@ -87,4 +87,4 @@ class LayerArchive {
 [[nodiscard]] Status read_archive_layer(int file, std::string_view name, const ArchiveLayer& layer,
                                         const MaskTurn& turn, BitImage out);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

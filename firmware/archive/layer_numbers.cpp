@@ -6,7 +6,7 @@
 
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 namespace {
 
 bool holds(std::string_view name, std::string_view word) {
@@ -64,4 +64,4 @@ Status check_none_missing(std::size_t layers, FunctionRef<std::uint64_t(std::siz
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

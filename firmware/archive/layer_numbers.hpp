@@ -8,7 +8,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 /// The name of an archive's entry without the folders before it. Some programs for Windows write backslashes between them.
 std::string_view file_of_entry(std::string_view name);
@@ -27,4 +27,4 @@ std::optional<std::uint64_t> number_of_layer(std::string_view name);
 [[nodiscard]] Status check_none_missing(std::size_t layers, FunctionRef<std::uint64_t(std::size_t)> number_of,
                                         const char* where);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

@@ -2,7 +2,7 @@
 
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 namespace {
 
 std::string_view trimmed_of(std::string_view text, std::string_view blanks) {
@@ -167,4 +167,4 @@ Status SettingsScanner::take_of_xml(char c) {
   return tell(tag, text);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

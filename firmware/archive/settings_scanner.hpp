@@ -10,7 +10,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 enum class SettingsForm : std::uint8_t {
   kIni,    ///< key = value, or key: value; '#' and ';' begin comments
@@ -77,4 +77,4 @@ class SettingsScanner {
   std::size_t level_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

@@ -10,7 +10,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/version.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 namespace {
 
 class Lines {
@@ -144,4 +144,4 @@ std::string slicer_print(const PrintProfile& profile) {
   return lines.take();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

@@ -7,7 +7,7 @@
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 /// What the settings say of a job.
 struct Sl1Job {
@@ -32,4 +32,4 @@ std::string slicer_printer(const BoardFile& board, const MachineFile& machine, c
 /// A profile as PrusaSlicer's material and print settings.
 std::string slicer_print(const PrintProfile& profile);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 namespace {
 
 ZipHandle& handle_of(voidpf opaque) { return *static_cast<ZipHandle*>(opaque); }
@@ -88,4 +88,4 @@ zlib_filefunc64_def zip_calls(ZipHandle& handle) {
   return {open_it, read_it, write_it, tell_it, seek_it, close_it, error_of, &handle};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 struct ZipHandle {
   int file = -1;                      ///< a descriptor; below 0: the file is in `memory`, and only read
@@ -19,4 +19,4 @@ struct ZipHandle {
 /// @param handle  must outlive what uses the calls; closing the archive leaves its file open
 zlib_filefunc64_def zip_calls(ZipHandle& handle);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

@@ -12,7 +12,7 @@
 
 #include "firmware/archive/zip_calls.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 Expected<ZipReader> ZipReader::open(int file, std::string_view name) {
   return open(ZipHandle{.file = file, .memory = {}}, name);
@@ -111,4 +111,4 @@ Expected<std::size_t> ZipReader::read(std::span<std::byte> buffer) {
   return std::size_t{0};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

@@ -11,7 +11,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 struct ZipHandle;
 
@@ -65,4 +65,4 @@ class ZipReader {
   void* zip_ = nullptr;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

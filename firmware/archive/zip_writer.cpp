@@ -11,7 +11,7 @@
 
 #include "firmware/archive/zip_calls.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 Expected<ZipWriter> ZipWriter::create(const std::string& path) {
   ZipWriter writer;
@@ -89,4 +89,4 @@ Status ZipWriter::finish() {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

@@ -11,7 +11,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline archive {
 
 struct ZipHandle;
 
@@ -48,4 +48,4 @@ class ZipWriter {
   bool named_ = false;                 ///< finish() has renamed it, or it was moved from
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline archive

@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cstddef>
 
-namespace plumbline {
+namespace plumbline::firmware::inline canvas {
 namespace {
 
 constexpr unsigned mixed(unsigned below, unsigned above, unsigned cover) {
@@ -104,4 +104,4 @@ void Canvas::draw_rgb(const PixelBox& box, std::span<const std::uint8_t> rgb, in
   });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline canvas

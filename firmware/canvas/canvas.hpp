@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::firmware::inline canvas {
 
 /// RGB565: 5 bits of red, 6 of green, 5 of blue, red in the highest.
 using Colour = std::uint16_t;
@@ -72,4 +72,4 @@ class Canvas {
 /// The largest box with a picture's proportions in the middle of another one.
 PixelBox fitted(const PixelBox& room, int columns, int rows);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline canvas

@@ -7,7 +7,7 @@
 #include <memory>
 #include <new>
 
-namespace plumbline {
+namespace plumbline::firmware::inline canvas {
 namespace {
 
 /// ASCII and Latin-1, for the languages of western Europe, then what texts of plumbline and the buttons need besides, by code.
@@ -138,4 +138,4 @@ int Face::draw(Canvas& canvas, int x, int baseline, std::string_view text, Colou
                         [&](int column, int row, unsigned cover) { canvas.blend(column, row, ink, cover); });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline canvas

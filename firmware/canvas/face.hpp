@@ -8,7 +8,7 @@
 #include "firmware/canvas/canvas.hpp"
 #include "firmware/canvas/font_file.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline canvas {
 
 /// What is shown for a character that a face lacks.
 inline constexpr std::uint16_t kUnknownCharacter = 0xFFFD;
@@ -69,4 +69,4 @@ class Face {
   int x_height_, cap_height_ = 0, line_height_ = 0, descent_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline canvas

@@ -18,11 +18,11 @@ extern "C" {
 extern const std::uint8_t kPlumblineFontRegular[], kPlumblineFontBold[], kPlumblineFontEnd[];
 }
 
-namespace plumbline {
+namespace plumbline::firmware::inline canvas {
 
 std::span<const std::uint8_t> font_file(FontWeight weight) {
   return weight == FontWeight::kBold ? std::span(&kPlumblineFontBold[0], &kPlumblineFontEnd[0])
                                      : std::span(&kPlumblineFontRegular[0], &kPlumblineFontBold[0]);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline canvas

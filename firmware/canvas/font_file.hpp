@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::firmware::inline canvas {
 
 enum class FontWeight : std::uint8_t { kRegular, kBold };
 
 /// A TrueType file.
 std::span<const std::uint8_t> font_file(FontWeight weight);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline canvas

@@ -7,7 +7,7 @@
 #include "firmware/messages/printer_code.hpp"
 #include "slicer/placement/placement.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 tl::unexpected<Error> wrong(const char* what) {
@@ -201,4 +201,4 @@ Expected<Proposals> check_proposals(const ScanAnswer& answer) {
   return answer.proposals;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

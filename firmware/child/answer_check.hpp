@@ -11,7 +11,7 @@
 #include "firmware/print/job/sliced_scan.hpp"
 #include "slicer/core/arena.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct CheckedAnswer {
   SlicedScan sliced;
@@ -45,4 +45,4 @@ inline constexpr const char* kExportAgain =
 /// @param possible  what such a file can cause; the child may claim nothing else
 [[nodiscard]] tl::unexpected<Error> child_error(const ScanAnswer& answer, std::span<const ErrorCode> possible);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

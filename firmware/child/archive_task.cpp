@@ -13,7 +13,7 @@
 #include "firmware/print/job/sliced_archive.hpp"
 #include "firmware/settings/job_options.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Draws where the checks have found something. The layers shown, a dozen at most, are decoded again.
@@ -121,4 +121,4 @@ void run_archive_task(SharedMemory& memory, std::uint32_t threads) {
   if (!done) hand_back_error(done.error(), page.answer);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

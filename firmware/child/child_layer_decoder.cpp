@@ -7,7 +7,7 @@
 #include "firmware/child/answer_check.hpp"
 #include "firmware/io/interrupt.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Status ChildLayerDecoder::prepare(const PrintGrid& grid, Arena& arena) {
   constexpr std::size_t kPage = SharedMemory::kPage;
@@ -77,4 +77,4 @@ Error ChildLayerDecoder::broke(const char* how) const {
                        static_cast<unsigned long long>(number_), how);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

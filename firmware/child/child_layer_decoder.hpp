@@ -8,7 +8,7 @@
 #include "firmware/print/job/mask_source.hpp"
 #include "slicer/placement/placement.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// How long a layer may take.
 struct LayerPatience {
@@ -62,4 +62,4 @@ class ChildLayerDecoder final : public LayerDecoder {
   std::uint64_t number_ = 0;   ///< of that layer
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

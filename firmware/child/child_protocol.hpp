@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 enum class ChildWord : std::uint32_t { kReady = 1, kNotReady = 2, kStart = 3, kKill = 4, kEnded = 5 };
 
@@ -20,4 +20,4 @@ struct ChildMessage {
   char reason[212] = {};       ///< kNotReady
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -20,7 +20,7 @@
 #include "hal/process/passed_descriptor.hpp"
 #include "hal/process/process_memory.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 bool send(const ChildMessage& message) { return send_message(kKeptDescriptor, std::as_bytes(std::span(&message, 1))); }
@@ -150,4 +150,4 @@ void run_child_template(int socket, SharedMemory& memory, std::uint32_t threads,
   ::_exit(0);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

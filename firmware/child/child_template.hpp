@@ -8,7 +8,7 @@
 
 #include "firmware/child/shared_memory.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What a child does before it ends. Its only descriptor is 0, the scan.
 using ChildTask = void (*)(SharedMemory& memory, std::uint32_t threads);
@@ -20,4 +20,4 @@ using ChildTask = void (*)(SharedMemory& memory, std::uint32_t threads);
 [[noreturn]] void run_child_template(int socket, SharedMemory& memory, std::uint32_t threads, ChildTask task,
                                      pid_t firmware);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<std::size_t> GivenFile::read(std::span<std::byte> buffer) {
   for (;;) {
@@ -26,4 +26,4 @@ Status GivenFile::rewind() {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -3,7 +3,7 @@
 #include "firmware/child/scan_request.hpp"
 #include "slicer/core/byte_source.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A file that a child reads.
 class GivenFile final : public ByteSource {
@@ -20,4 +20,4 @@ class GivenFile final : public ByteSource {
   const RequestedFile& file_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 #include "firmware/settings/print_fields.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The fields of a StickJob.
 struct JobAnswer {
@@ -31,4 +31,4 @@ struct JobAnswer {
   PassedValues values;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -23,7 +23,7 @@
 #define PLUMBLINE_HAS_SANITIZER
 #endif
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 tl::unexpected<Error> lacks(const char* what) {
@@ -168,4 +168,4 @@ bool filter_system_calls(std::span<const CallRule> allowed) {
 }
 #endif  // PLUMBLINE_HAS_SANITIZER
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Gives up every capability and every way to gain one, all access to files but those that are open and, where the kernel has it, to the
 /// network and to other processes (Landlock). Nobody may debug the process or see its core. Its children inherit all of this.
@@ -42,4 +42,4 @@ struct CallRule {
 /// @returns false: the kernel has no seccomp filters
 [[nodiscard]] bool filter_system_calls(std::span<const CallRule> allowed);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -13,7 +13,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/rrep/point_proof.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Numbers and characters only, so that no value of a byte is invalid. check_answer() says what of it holds.
 struct ScanAnswer {
@@ -64,4 +64,4 @@ struct ScanAnswer {
   PassedValues values;                    ///< what the archive says
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

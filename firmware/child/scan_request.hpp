@@ -13,7 +13,7 @@
 #include "slicer/slice_settings.hpp"
 #include "slicer/supports/support_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What is asked of an archive that somebody else has sliced.
 struct ArchiveRequest {
@@ -57,4 +57,4 @@ struct ScanRequest {
   std::span<const RequestedFile> files() const { return std::span(file).first(file_count); }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

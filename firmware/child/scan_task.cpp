@@ -17,7 +17,7 @@
 #include "slicer/mesh_slicing.hpp"
 #include "slicer/preparation.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena& arena, ScanAnswer& answer,
@@ -145,4 +145,4 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

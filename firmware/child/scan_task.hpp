@@ -5,7 +5,7 @@
 
 #include "firmware/child/shared_memory.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Starts the threads, gives up all system calls but reading, then slices MessagePage::request and leaves its answer.
 void run_scan_task(SharedMemory& memory, std::uint32_t threads);
@@ -15,4 +15,4 @@ void hand_back_error(const Error& error, ScanAnswer& answer);
 /// The error of a task for which filter_system_calls() failed.
 void refuse_without_filter(ScanAnswer& answer);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <new>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<SharedMemory> SharedMemory::create(std::size_t arena_bytes) {
   void* const block = ::mmap(nullptr, kArenaAt + arena_bytes, PROT_READ | PROT_WRITE,
@@ -25,4 +25,4 @@ SharedMemory::SharedMemory(std::byte* block, std::size_t arena_bytes)
 
 void SharedMemory::Unmap::operator()(std::byte* block) const { ::munmap(block, bytes); }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

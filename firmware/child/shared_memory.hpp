@@ -12,7 +12,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What the child has done so far. It may hold anything.
 struct ChildProgress {
@@ -55,4 +55,4 @@ class SharedMemory {
   std::size_t arena_bytes_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

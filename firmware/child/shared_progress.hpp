@@ -5,7 +5,7 @@
 #include "firmware/child/shared_memory.hpp"
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Tells the firmware how far the child has come.
 class SharedProgress final : public ProgressSink {
@@ -26,4 +26,4 @@ class SharedProgress final : public ProgressSink {
   ChildProgress& progress_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

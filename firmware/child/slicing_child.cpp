@@ -15,7 +15,7 @@
 #include "firmware/child/child_protocol.hpp"
 #include "hal/process/passed_descriptor.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -148,4 +148,4 @@ void SlicingChild::kill(std::chrono::milliseconds patience) {
   ends_by_ = std::min(until, ends_by_.value_or(until));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -14,7 +14,7 @@
 #include "firmware/io/descriptor.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class SlicingChild {
  public:
@@ -78,4 +78,4 @@ class SlicingChild {
   bool gone_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

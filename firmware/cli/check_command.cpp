@@ -20,7 +20,7 @@
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/checks/what_matters.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kCheckFooter =
@@ -231,4 +231,4 @@ ExitCode run_check(const CheckOptions& options, std::span<std::byte> arena_block
   return judged ? ExitCode::kDone : report_error(judged.error());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/version.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kAbout =
@@ -81,4 +81,4 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   return run_doctor(doctor);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -20,7 +20,7 @@ namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's name
 class App;
 }
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct SliceOptions {
   JobOptions job;
@@ -159,4 +159,4 @@ ExitCode run_simulate(const SimulateOptions& options);
 ExitCode run_setup(const SetupOptions& options);
 ExitCode run_profile(const ProfileOptions& options);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -11,7 +11,7 @@
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/state_link.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kControlFooter =
@@ -142,4 +142,4 @@ ExitCode run_control(const ControlOptions& options) {
                                     json_text(*reply, "advice").c_str()));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

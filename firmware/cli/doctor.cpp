@@ -6,7 +6,7 @@
 #include "firmware/io/output_file.hpp"
 #include "firmware/io/text/json_writer.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kDoctorFooter =
@@ -107,4 +107,4 @@ ExitCode run_doctor(const DoctorOptions& options) {
   return prints(*findings) ? ExitCode::kDone : ExitCode::kWorldError;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

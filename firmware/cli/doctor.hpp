@@ -8,7 +8,7 @@
 #include "firmware/io/output_file.hpp"
 #include "firmware/machine/back_end.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Writes a line for each finding with advice below it, and a last line that says whether the printer would print.
 [[nodiscard]] Status write_findings(OutputFile& out, const std::string& printer,
@@ -21,4 +21,4 @@ namespace plumbline {
 /// Whether nothing is wrong, so that the printer would print.
 bool prints(std::span<const MachineFinding> findings);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

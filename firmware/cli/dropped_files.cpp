@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace fs = std::filesystem;
 
 DroppedFiles::DroppedFiles(std::string folder, std::string link) : folder_(std::move(folder)), link_(std::move(link)) {
@@ -48,4 +48,4 @@ void DroppedFiles::look(bool reading) {
   plugged_ = now;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

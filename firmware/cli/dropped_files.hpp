@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A folder that people drop files into, as a stick: plugged in while it has files, and again when they have changed.
 class DroppedFiles {
@@ -30,4 +30,4 @@ class DroppedFiles {
   std::optional<std::uint64_t> seen_, plugged_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

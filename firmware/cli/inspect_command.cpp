@@ -20,7 +20,7 @@
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/layers/layer_stream.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kInspectFooter =
@@ -168,4 +168,4 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   return written ? ExitCode::kDone : report_error(written.error());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -16,7 +16,7 @@
 #include "firmware/slice/orientation_proposals.hpp"
 #include "slicer/preparation.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kOrientFooter =
@@ -142,4 +142,4 @@ ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_blo
   return written ? ExitCode::kDone : report_error(written.error());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

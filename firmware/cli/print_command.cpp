@@ -25,7 +25,7 @@
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Virtual time that a print waits for an absent user.
@@ -462,4 +462,4 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   return exit_code(report.state);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -8,7 +8,7 @@
 #include "firmware/io/version.hpp"
 #include "firmware/settings/print_profile.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kProfileFooter =
@@ -64,4 +64,4 @@ ExitCode run_profile(const ProfileOptions& options) {
   return written ? ExitCode::kDone : report_error(written.error());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

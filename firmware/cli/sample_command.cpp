@@ -10,7 +10,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/sample/scan_sample.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kSampleFooter =
@@ -59,4 +59,4 @@ ExitCode run_sample(const SampleOptions& options) {
   return written ? ExitCode::kDone : report_error(written.error());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -23,7 +23,7 @@
 #include "firmware/state/state_link.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Slow storage has to be written before the printer says that a scan is kept.
@@ -120,4 +120,4 @@ Expected<std::string> upload_scan(const std::string& socket, const std::string& 
   return std::string(request.name.view());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -4,7 +4,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Sends a scan to the store of the printer that serves its state at `socket`, and waits until it is kept there.
 /// @param file  a regular file. Its name in the store is upload_name_of()
@@ -14,4 +14,4 @@ namespace plumbline {
 /// @retval ErrorCode::kCannotWrite              it broke off: why. Nothing of it is kept
 [[nodiscard]] Expected<std::string> upload_scan(const std::string& socket, const std::string& file);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

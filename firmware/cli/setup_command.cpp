@@ -17,7 +17,7 @@
 #include "firmware/settings/settings_folders.hpp"
 #include "firmware/setup/setup.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 namespace fs = std::filesystem;
@@ -201,4 +201,4 @@ ExitCode run_setup(const SetupOptions& options) {
   return examine(*dialogue, *board);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -23,7 +23,7 @@
 #include "firmware/settings/settings_folders.hpp"
 #include "firmware/state/state_link.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 namespace fs = std::filesystem;
@@ -275,4 +275,4 @@ CLI::App* add_simulate_command(CLI::App& app, SimulateOptions& options) {
 
 ExitCode run_simulate(const SimulateOptions& options) { return simulate(options); }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

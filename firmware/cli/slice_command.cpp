@@ -16,7 +16,7 @@
 #include "slicer/reader/formats/foreign_formats.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kSliceFooter =
@@ -141,4 +141,4 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   return written ? ExitCode::kDone : report_error(written.error());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

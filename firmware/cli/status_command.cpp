@@ -13,7 +13,7 @@
 #include "firmware/io/text/json_cursor.hpp"
 #include "firmware/state/state_link.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kStatusFooter =
@@ -173,4 +173,4 @@ ExitCode run_status(const StatusOptions& options) {
   return ExitCode::kDone;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

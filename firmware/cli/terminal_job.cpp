@@ -2,7 +2,7 @@
 
 #include "firmware/io/interrupt.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 TerminalJob::TerminalJob(const JobOptions& options, const JobSetup& setup, std::span<std::byte> arena_block)
     : arena_(arena_block.first(setup.arena_bytes)),
@@ -16,4 +16,4 @@ void TerminalJob::warn(std::string_view sentence) {
   if (!silent_) lines_.warn(sentence);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

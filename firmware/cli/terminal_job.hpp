@@ -10,7 +10,7 @@
 #include "firmware/settings/job_options.hpp"
 #include "slicer/core/arena.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A job that runs on a terminal: the memory that it may use, its progress, and its warnings. Ctrl-C cancels it.
 class TerminalJob {
@@ -31,4 +31,4 @@ class TerminalJob {
   JobProgress progress_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

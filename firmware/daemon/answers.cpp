@@ -4,7 +4,7 @@
 
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// How long the daemon waits for an event before its next turn. Shorter responds faster, longer spares the processor.
@@ -59,4 +59,4 @@ Expected<EventKind> Answers::ask(const std::function<void()>& on_next) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "hal/machine.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Waits while nothing is printed. The record says that somebody waits, for as long as it does.
 class Answers {
@@ -47,4 +47,4 @@ class Answers {
   bool shutdown_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

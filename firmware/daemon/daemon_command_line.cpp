@@ -28,7 +28,7 @@
 #include "firmware/state/socket_place.hpp"
 #include "hal/process/process_memory.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kAbout =
@@ -345,4 +345,4 @@ ExitCode run_daemon_command_line(int argc, char** argv, std::size_t largest_aren
   return serve(options, largest_arena);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,10 +5,10 @@
 
 #include "firmware/messages/exit_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Parses the arguments and runs the daemon until it is asked to end. @returns the process's exit code
 /// @param largest_arena  bytes that a board file may ask for
 ExitCode run_daemon_command_line(int argc, char** argv, std::size_t largest_arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

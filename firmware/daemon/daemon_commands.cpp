@@ -11,7 +11,7 @@
 #include "firmware/io/descriptor.hpp"
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<std::optional<EventKind>> DaemonCommands::take(const ClientRequest& request) {
   if (request.about == 0 && answers_question(record_, request.command) && answers_.is_new()) {
@@ -87,4 +87,4 @@ Expected<CommandTaker::ReportPart> DaemonCommands::read_report(std::uint64_t fro
   return ReportPart{static_cast<std::size_t>(got), static_cast<std::uint64_t>(facts.st_size)};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -14,7 +14,7 @@
 #include "firmware/state/printer_record.hpp"
 #include "firmware/state/state_socket.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class DaemonCommands final : public CommandTaker {
  public:
@@ -53,4 +53,4 @@ class DaemonCommands final : public CommandTaker {
   const std::string& report_path_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Follows the daemon: a log, the state socket, or a test.
 class DaemonObserver : public PrintObserver, public SlicingObserver {
@@ -23,4 +23,4 @@ class DaemonObserver : public PrintObserver, public SlicingObserver {
   virtual void idle() = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -2,7 +2,7 @@
 
 #include "firmware/daemon/stick/stick_job.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<PrintProfile> DaemonSettings::profile(const std::string& name) const {
   auto profile = read_print_profile(name.empty() ? machine.profile : name, board_path);
@@ -10,4 +10,4 @@ Expected<PrintProfile> DaemonSettings::profile(const std::string& name) const {
   return profile;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

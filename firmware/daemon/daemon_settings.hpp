@@ -10,7 +10,7 @@
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What stays the same for all jobs of the daemon.
 struct DaemonSettings {
@@ -29,4 +29,4 @@ struct DaemonSettings {
   [[nodiscard]] Expected<PrintProfile> profile(const std::string& name) const;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/print/job/print_plan.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<std::unique_ptr<OfferedArchiveMasks>> OfferedArchiveMasks::create(int file, std::string_view name,
                                                                            const SlicedArchive& sliced,
@@ -74,4 +74,4 @@ void OfferedArchiveMasks::look() {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

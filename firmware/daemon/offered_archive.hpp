@@ -12,7 +12,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/job/sliced_archive.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Decodes one layer at a time, each in a child of its own without rights, and never waits for it. Its destructor ends the child and
 /// releases the arena.
@@ -70,4 +70,4 @@ class OfferedArchiveMasks final : public OfferedMasks {
   std::optional<Error> problem_;       ///< and what was wrong with it
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

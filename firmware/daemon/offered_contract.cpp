@@ -6,7 +6,7 @@
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/settings/print_values.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 OfferedContract::OfferedContract(std::string_view name, Contract& contract, PrintProfile& profile,
                                  std::function<Expected<Contract>(const PrintProfile&)> remake, StateRecorder& recorder)
@@ -72,4 +72,4 @@ Status OfferedContract::set(std::string_view key, std::string_view value) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The contract that a person is asked about. Until they accept it, they may change what needs no new masks: exposures, bottom layers,
 /// lifts and waits.
@@ -44,4 +44,4 @@ class OfferedContract {
   std::function<void()> put_;  ///< repeats the question; empty until it is asked
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -1,6 +1,6 @@
 #include "firmware/daemon/offered_masks.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 tl::unexpected<Error> no_such_layer(std::uint32_t layer, std::uint32_t layers) {
   return fail(ErrorCode::kBadSetting, "there is no layer %u: the last one is %u", layer, layers - 1);
@@ -30,4 +30,4 @@ Expected<bool> OfferedScanMasks::draw(std::uint32_t layer, LayerPicture& picture
   return true;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -13,7 +13,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The masks that would be printed, to look at while the printer asks whether to print them.
 class OfferedMasks {
@@ -54,4 +54,4 @@ class OfferedScanMasks final : public OfferedMasks {
 /// The error of a layer that a stack of `layers` does not have.
 [[nodiscard]] tl::unexpected<Error> no_such_layer(std::uint32_t layer, std::uint32_t layers);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -17,7 +17,7 @@
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/core/words/plural.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Touches more stack than any job uses, so that no job adds pages to it, and to the locked memory, after "ready".
@@ -324,7 +324,7 @@ Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, JobStore
 
 bool PrinterDaemon::store_reports() {
   if (record_.prints == nullptr || !machine_.stick.has_stick()) return false;
-  const auto stored = plumbline::store_reports(machine_.stick, *record_.prints, settings_.board.name);
+  const auto stored = firmware::store_reports(machine_.stick, *record_.prints, settings_.board.name);
   if (!stored) {
     observer_.tell(stored.error().message(), PrinterCode::kReportsNotOnStick);
     return false;
@@ -483,4 +483,4 @@ void PrinterDaemon::refuse(const Error& error, FaultCode code) {
   observer_.refused(code, error);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

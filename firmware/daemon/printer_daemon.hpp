@@ -31,7 +31,7 @@
 #include "hal/machine.hpp"
 #include "slicer/core/arena.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class PrinterDaemon {
  public:
@@ -123,4 +123,4 @@ class PrinterDaemon {
   PortState upload_ = PortState::kServed;  ///< a scan that comes is offered first: Uploads::is_new()
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -4,7 +4,7 @@
 
 #include "firmware/archive/layer_archive.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 bool ScanGlances::step() {
   while (!works_) {
@@ -73,4 +73,4 @@ void ScanGlances::stop() {
   files_.clear();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -13,7 +13,7 @@
 #include "firmware/daemon/stick_offer.hpp"
 #include "hal/stick_port.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Draws what is on a stick while somebody chooses: a small picture of each scan and archive, one after the other, each in a child without
 /// rights. A child that takes longer than half of DaemonSettings::slicing_patience is killed.
@@ -61,4 +61,4 @@ class ScanGlances {
   std::optional<ScanFeed> feed_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

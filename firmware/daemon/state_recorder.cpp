@@ -7,7 +7,7 @@
 #include "firmware/messages/told_text.hpp"
 #include "firmware/print/status/print_lines.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 namespace {
 
@@ -303,4 +303,4 @@ void StateRecorder::refused(FaultCode code, const Error& error) {
   say(text.view());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -18,7 +18,7 @@
 #include "hal/stick_port.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Stands between the daemon and its observer.
 class StateRecorder final : public DaemonObserver {
@@ -102,4 +102,4 @@ class StateRecorder final : public DaemonObserver {
   std::uint32_t next_layer_ = 0;  ///< of the picture that waits
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

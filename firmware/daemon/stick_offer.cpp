@@ -10,7 +10,7 @@
 #include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 tl::unexpected<Error> nothing_on(const StickScans& scans) {
@@ -218,4 +218,4 @@ void StickOffer::record() const {
                      has_job_file() ? std::nullopt : std::optional(chosen_));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -18,7 +18,7 @@
 #include "hal/events.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What is on a stick, and what of it would be printed if somebody pressed start. Each change is recorded.
 class StickOffer {
@@ -85,4 +85,4 @@ class StickOffer {
   std::size_t chosen_ = 0;  ///< of the scans and series, if there is no job file
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/support_building.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFile> scan, const PrintProfile& profile,
                                     const DaemonSettings& daemon) {
@@ -60,4 +60,4 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   return request;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 #include "hal/stick_port.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What the slicing child is asked for, to print a job from a stick. Runs the checks of the print that don't depend on its height, before
 /// the minutes that slicing takes.
@@ -19,4 +19,4 @@ namespace plumbline {
 [[nodiscard]] Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFile> scan,
                                                   const PrintProfile& profile, const DaemonSettings& daemon);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

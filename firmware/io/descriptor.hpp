@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Owns a file descriptor and closes it. Move-only.
 class Descriptor {
@@ -53,4 +53,4 @@ class Descriptor {
   int file_ = -1;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

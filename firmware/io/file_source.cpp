@@ -8,7 +8,7 @@
 #include <cstring>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<FileSource> FileSource::open(const std::string& path) {
   FileSource source;
@@ -65,4 +65,4 @@ Status FileSource::rewind() {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 
 #include "slicer/core/byte_source.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Reads a file with system calls: it has no buffer, and takes nothing from the heap after open().
 class FileSource final : public ByteSource {
@@ -32,4 +32,4 @@ class FileSource final : public ByteSource {
   std::uint64_t offset_ = 0;  ///< bytes read so far
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

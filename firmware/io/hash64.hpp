@@ -11,7 +11,7 @@
 
 #include "slicer/core/numbers/mix64.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// h = mix64(h + kGoldenStep64 + word) for each eight bytes, little-endian, the last ones padded with zeros; then the number of bytes
 /// in the same way. The split of the bytes over calls does not matter.
@@ -67,4 +67,4 @@ class Hash64 {
   std::size_t filled_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<std::size_t> HashingSource::read(std::span<std::byte> buffer) {
   const auto got = source_.read(buffer);
@@ -33,4 +33,4 @@ std::uint64_t HashingSources::hash() const {
   return all.value();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 #include "slicer/core/byte_source.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Passes a stream on and hashes its bytes, each once: those that are read again after a rewind() don't count.
 class HashingSource final : public ByteSource {
@@ -47,4 +47,4 @@ class HashingSources {
   std::array<ByteSource*, kMostScans> pointers_ = {};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 volatile std::sig_atomic_t mark =
@@ -26,4 +26,4 @@ void catch_interrupts() {
 
 bool interrupted() { return mark != 0; }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

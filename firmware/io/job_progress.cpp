@@ -2,7 +2,7 @@
 
 #include "firmware/io/interrupt.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 void JobProgress::begin(Stage stage) {
   begun_ = Clock::now();
@@ -23,4 +23,4 @@ void JobProgress::end(Stage stage, std::size_t peak_bytes) {
 
 double JobProgress::total_seconds() const { return since(made_); }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

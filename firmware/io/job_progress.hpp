@@ -6,7 +6,7 @@
 
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Shows the work in progress, on a terminal or in a log.
 class ProgressDisplay {
@@ -56,4 +56,4 @@ class JobProgress final : public ProgressSink {
   std::array<double, kStageCount> seconds_ = {};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

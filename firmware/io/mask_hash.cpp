@@ -2,7 +2,7 @@
 
 #include "slicer/core/numbers/mix64.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 std::uint64_t mask_hash(ConstBitImage mask) {
   std::uint64_t sum = mix64((std::uint64_t{mask.columns()} << 32) + mask.rows());
   std::uint64_t place = 0;
@@ -32,4 +32,4 @@ const char* const kMaskHashDefinition =
     "and "
     "takes in each layer as h = mix(h + 0x9E3779B97F4A7C15 + layer)";
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// 64-bit hash of a mask. It detects errors; it does not resist forgery.
 ///
@@ -28,4 +28,4 @@ std::uint64_t job_hash(std::span<const std::uint64_t> layers);
 /// Both definitions in words, for the manifest.
 extern const char* const kMaskHashDefinition;
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

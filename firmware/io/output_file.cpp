@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr mode_t kMode = 0666;  ///< less the user's umask
@@ -105,4 +105,4 @@ Status write_file(const char* path, std::span<const std::byte> bytes) {
   return file->close();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

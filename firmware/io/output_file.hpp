@@ -10,7 +10,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class OutputFile final : public TextSink {
  public:
@@ -55,4 +55,4 @@ class OutputFile final : public TextSink {
 /// OutputFile::create(), write() and close().
 [[nodiscard]] Status write_file(const char* path, std::span<const std::byte> bytes);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 
 #include "firmware/io/text/fixed_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr double kSecondsBetween = 0.1;  ///< two drawings: the eye sees motion, a serial console keeps up
@@ -147,4 +147,4 @@ void ProgressLines::end(Stage stage, double seconds, std::size_t peak_bytes) {
   write_line(line.view());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -8,7 +8,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// One line with words, a bar and seconds, which replaces itself. Takes no memory from the heap. Draws on a terminal only, at
 /// most 10 times a second.
@@ -61,4 +61,4 @@ void draw_line(const PrintableText& line);
 /// Clears the terminal's last line.
 void erase_line();
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 
 #include "slicer/core/numbers/mix64.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 RandomIds::RandomIds(std::uint64_t seed) : at_(seed) {
   // Eight bytes come whole; a signal may interrupt the wait for the kernel's first entropy.
@@ -32,4 +32,4 @@ std::optional<std::uint64_t> id_of(std::string_view text) {
   return whole && id != 0 && id_text(id).view() == text ? std::optional(id) : std::nullopt;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 
 #include "firmware/io/text/fixed_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A stream of ids, none of them 0, no two of them equal. Those of another process begin elsewhere among 2^64.
 class RandomIds {
@@ -25,4 +25,4 @@ FixedText<20> id_text(std::uint64_t id);
 /// @returns none: it is not what id_text() writes, or 0
 std::optional<std::uint64_t> id_of(std::string_view text);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/reader/view_poses.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 namespace fs = std::filesystem;
@@ -108,4 +108,4 @@ std::vector<std::string> ScanFiles::names() const {
   return names;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

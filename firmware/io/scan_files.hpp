@@ -8,7 +8,7 @@
 #include "firmware/io/file_source.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class ScanFiles {
  public:
@@ -29,4 +29,4 @@ class ScanFiles {
   std::vector<ByteSource*> sources_;  ///< into files_
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "slicer/reader/scan_sources.hpp"
 #include "slicer/reader/view_poses.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 std::string in_lower_case(std::string_view name) {
   std::string lower(name);
@@ -77,4 +77,4 @@ std::string_view without_slash(std::string_view path) {
   return path;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A name in lower case, for what is the same in any case. ASCII only.
 std::string in_lower_case(std::string_view name);
@@ -42,4 +42,4 @@ void put_poses_last(std::vector<std::string>& paths);
 /// A path without the slashes at its end.
 std::string_view without_slash(std::string_view path);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// So many at once, and so many a second in the long run. Whoever goes on asking in vain goes into debt, down to minus `burst`.
 class TokenBucket {
@@ -66,4 +66,4 @@ class LogBound {
   unsigned left_out_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

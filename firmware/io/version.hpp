@@ -1,8 +1,8 @@
 #pragma once
 /// The version of the programs, from CMake.
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 inline constexpr const char* kVersion = PLUMBLINE_VERSION;
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

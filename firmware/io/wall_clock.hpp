@@ -7,7 +7,7 @@
 
 #include "firmware/io/text/fixed_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// 2025-01-01T00:00:00Z: a clock that shows an earlier time was never set.
 inline constexpr std::int64_t kEarliestTime = 1'735'689'600;
@@ -30,4 +30,4 @@ inline std::optional<FixedText<64>> utc_text(std::int64_t clock_s) {
   return text;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

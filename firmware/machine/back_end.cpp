@@ -3,7 +3,7 @@
 #include "firmware/machine/linux_back_end.hpp"
 #include "firmware/machine/simulated_back_end.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Status check_back_end(const BoardFile& board, const MachineFile& machine, const SimulationOptions& options) {
   if (!machine.simulated && !options.simulate) return check_linux_back_end(board, machine);
@@ -38,4 +38,4 @@ Expected<std::vector<MachineFinding>> examine_machine(const BoardFile& board, co
 
 std::vector<BoardPart> board_parts() { return linux_board_parts(); }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -18,7 +18,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// How to simulate a machine.
 struct SimulationOptions {
@@ -104,4 +104,4 @@ class BackEnd {
 /// What the board that this runs on has for a board file to name. Opens, moves and lights nothing.
 std::vector<BoardPart> board_parts();
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -2,7 +2,7 @@
 
 #include "hal/clock.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A lamp line that the keeper process holds. The keeper turns it off at the end of the time, and when this process dies.
 class KeptLampLine {
@@ -18,4 +18,4 @@ class KeptLampLine {
   virtual void turn_off() noexcept = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -15,7 +15,7 @@
 #include "hal/linux/machine.hpp"
 #endif
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// The keeper is installed beside the program.
@@ -145,4 +145,4 @@ Expected<std::unique_ptr<KeptLampLine>> keep_lamp_line(const std::string& line, 
   return std::make_unique<KeeperLampLine>(std::move(*keeper));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

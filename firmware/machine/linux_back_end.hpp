@@ -8,7 +8,7 @@
 #include "firmware/machine/back_end.hpp"
 #include "firmware/machine/kept_lamp_line.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// @retval ErrorCode::kUnsupported  this build has no board devices
 /// @retval ErrorCode::kBadSetting   the board file lacks wiring tables
@@ -36,4 +36,4 @@ std::vector<BoardPart> linux_board_parts();
 [[nodiscard]] Expected<std::unique_ptr<KeptLampLine>> keep_lamp_line(const std::string& line,
                                                                      const MachineFile& machine);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

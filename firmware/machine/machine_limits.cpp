@@ -1,6 +1,6 @@
 #include "firmware/machine/machine_limits.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 nanoseconds nanoseconds_of_ms(double ms) { return nanoseconds(static_cast<nanoseconds::rep>(ms * 1e6)); }
 
@@ -20,4 +20,4 @@ UvLamp::Limits lamp_limits(const MachineFile& machine) {
           .per_minute = nanoseconds_of_ms(machine.max_light_per_minute_s * 1e3)};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

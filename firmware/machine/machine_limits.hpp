@@ -6,7 +6,7 @@
 #include "hal/uv_lamp.hpp"
 #include "hal/z_stage.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// @param ms  at most some hours: a double holds these to the nanosecond
 nanoseconds nanoseconds_of_ms(double ms);
@@ -16,4 +16,4 @@ ZStage::Limits travel_limits(const MachineFile& machine);
 
 UvLamp::Limits lamp_limits(const MachineFile& machine);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

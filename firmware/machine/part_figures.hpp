@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Something that the masks asked for and the part has not.
 struct LostPiece {
@@ -30,4 +30,4 @@ struct PartFigures {
   }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

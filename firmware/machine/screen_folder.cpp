@@ -8,7 +8,7 @@
 #include "firmware/canvas/canvas.hpp"
 #include "firmware/io/output_file.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<std::unique_ptr<ScreenFolder>> ScreenFolder::open(const std::string& folder, std::uint32_t columns,
                                                            std::uint32_t rows) {
@@ -38,4 +38,4 @@ void ScreenFolder::write(std::uint32_t columns, std::uint32_t rows, std::span<co
   static_cast<void>(write_file((folder_ + name.data()).c_str(), file));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 #include "firmware/pictures/png.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Writes what a simulated screen shows into a folder: screen.png is the newest frame, and 00001.png, 00002.png, ... the first kMostFrames.
 class ScreenFolder {
@@ -33,4 +33,4 @@ class ScreenFolder {
   std::uint32_t frames_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

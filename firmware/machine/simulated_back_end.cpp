@@ -11,7 +11,7 @@
 #include "hal/sim/sim_machine.hpp"
 #include "hal/sim/sim_status_screen.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const PrintProfile& profile) {
@@ -206,4 +206,4 @@ Expected<std::unique_ptr<BackEnd>> open_simulated_back_end(const BoardFile& boar
   return std::make_unique<SimulatedBackEnd>(std::move(settings), std::move(wire), std::move(screen));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "firmware/machine/back_end.hpp"
 #include "firmware/machine/kept_lamp_line.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// @retval ErrorCode::kBadSetting  one of options.faults is not a fault
 [[nodiscard]] Status check_simulated_back_end(const SimulationOptions& options);
@@ -19,4 +19,4 @@ namespace plumbline {
                                                                          const SimulationOptions& options,
                                                                          std::unique_ptr<KeptLampLine> lamp_line);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 
 #include "hal/clock.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct StepFigures {
   std::uint64_t steps = 0;
@@ -16,4 +16,4 @@ struct StepFigures {
   bool memory_locked = false;     ///< mlockall() succeeded
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 struct KeyedText {
@@ -51,4 +51,4 @@ std::string_view source_words(std::string_view word, Language language) {
 
 char decimal_point(Language language) { return kDecimals[index_of(language)]; }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

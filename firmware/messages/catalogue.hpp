@@ -9,7 +9,7 @@
 #include "firmware/messages/message_tables.hpp"
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What happened, and what somebody does about it.
 struct ToldWords {
@@ -49,4 +49,4 @@ std::string_view source_words(std::string_view word, Language language);
 /// '.' or ','
 char decimal_point(Language language);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

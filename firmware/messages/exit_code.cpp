@@ -3,7 +3,7 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/messages/told_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 ExitCode report_error(const Error& error) {
   FixedText<1032> line;
@@ -12,4 +12,4 @@ ExitCode report_error(const Error& error) {
   return error.code() == ErrorCode::kCancelled ? ExitCode::kInterrupted : ExitCode::kWorldError;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

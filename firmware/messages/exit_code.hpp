@@ -5,7 +5,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 enum class ExitCode : std::uint8_t {
   kDone = 0,
@@ -17,4 +17,4 @@ enum class ExitCode : std::uint8_t {
 /// Prints the error's message to standard error. @returns kInterrupted for kCancelled, else kWorldError
 ExitCode report_error(const Error& error);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

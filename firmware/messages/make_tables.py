@@ -110,7 +110,7 @@ def main():
 #include <cstdint>
 #include <string_view>
 
-namespace plumbline {{
+namespace plumbline::firmware {{
 
 enum class Language : std::uint8_t {{ {", ".join("k" + text["name"] for text in languages)} }};
 inline constexpr std::size_t kLanguageCount = {len(languages)};
@@ -122,7 +122,7 @@ enum class Words : std::uint8_t {{
 {"".join(f"  {camel(key)},{chr(10)}" for key in english["screen"])}}};
 inline constexpr std::size_t kWordsCount = {len(english["screen"])};
 
-}}  // namespace plumbline
+}}  // namespace plumbline::firmware
 """)
 
     def table(kind, name, row, keys, section):

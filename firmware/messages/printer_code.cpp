@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// By fact.
@@ -93,4 +93,4 @@ bool is_valid(const Told& told) {
   return true;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

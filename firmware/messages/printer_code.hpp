@@ -7,7 +7,7 @@
 
 #include "slicer/core/words/told.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 enum class PrinterCode : std::uint16_t {
   // Findings of the mask checks, in the order of IssueKind.
@@ -181,8 +181,7 @@ enum class PrinterCode : std::uint16_t {
   kCommandWithdrawn,
   kCodesTooMany,
 };
-template <>
-inline constexpr bool kExtends<PrinterCode, ToldCode> = true;
+ToldCode extends(PrinterCode code);
 /// Of the slicer and the printer together.
 inline constexpr std::size_t kAllCodes = static_cast<std::size_t>(PrinterCode::kCodesTooMany) + 1;
 
@@ -227,8 +226,7 @@ enum class PrinterFact : std::uint8_t {
   kAskedMm,
   kDeliveredMm,
 };
-template <>
-inline constexpr bool kExtends<PrinterFact, Fact> = true;
+Fact extends(PrinterFact fact);
 inline constexpr std::size_t kAllFacts = static_cast<std::size_t>(PrinterFact::kDeliveredMm) + 1;
 
 /// A fact's name on the state socket, and how many of its digits are shown.
@@ -244,4 +242,4 @@ const FactFormat& format_of(Fact fact);
 /// Whether a message from another process has a known code, known facts and finite values.
 bool is_valid(const Told& told);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 
 #include "firmware/messages/catalogue.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 FixedText<40> number_text(const FactFormat& format, double value, Language language) {
@@ -131,4 +131,4 @@ Advised at_terminal(const Error& error) {
   return at_terminal(error.told(), known ? error.finding() : error.message());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

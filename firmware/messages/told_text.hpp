@@ -8,7 +8,7 @@
 #include "firmware/messages/printer_code.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 using ToldText = FixedText<512>;
 /// Fills a message's values into a text of the table, formatted as the language does.
@@ -27,4 +27,4 @@ ToldText printer_remedy(const Told& told, std::string_view advice);
 /// The error's message, with options of the command line.
 Advised at_terminal(const Error& error);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -2,7 +2,7 @@
 
 #include "firmware/state/state_line.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 HttpAnswer AnswerText::refuse(unsigned status, std::string_view error, std::string_view advice, const Told& told) {
   HttpAnswer answer = object([&](JsonWriter& json) {
@@ -17,4 +17,4 @@ HttpAnswer AnswerText::refuse(unsigned status, std::string_view error, std::stri
   return answer;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

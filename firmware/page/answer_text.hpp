@@ -7,7 +7,7 @@
 #include "firmware/page/http_server.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 class AnswerText {
  public:
@@ -40,4 +40,4 @@ class AnswerText {
   TextBuffer<4096> text_;  ///< of the last answer: it is copied before the next one
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

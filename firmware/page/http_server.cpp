@@ -13,7 +13,7 @@
 #include "firmware/page/listening_socket.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 /// Of each connection, for the request's line and headers and the answer's: a longer request is refused by libmicrohttpd.
@@ -477,4 +477,4 @@ void HttpServer::wake_all(HttpStream::Kind kind) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -17,7 +17,7 @@
 #include "firmware/state/state_line.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 /// Valid during HttpHandler::answer() only. A header that the request does not have is empty.
 struct HttpRequest {
@@ -158,4 +158,4 @@ class HttpServer {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 /// Somebody who floods the port must not fill it between two turns.
@@ -54,4 +54,4 @@ Expected<Descriptor> listen_at(const std::string& address, std::uint16_t port) {
               std::strerror(errno));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -6,7 +6,7 @@
 #include "firmware/io/descriptor.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 /// A TCP socket that listens and does not block.
 /// @param address  numeric; empty: all of this machine, IPv4 and IPv6
@@ -15,4 +15,4 @@ namespace plumbline {
 /// @retval ErrorCode::kCannotOpen  the port and the reason
 [[nodiscard]] Expected<Descriptor> listen_at(const std::string& address, std::uint16_t port);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

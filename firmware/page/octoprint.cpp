@@ -9,7 +9,7 @@
 #include "firmware/io/version.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 /// What OctoPrint calls a state, with the flags that are set beside.
@@ -123,4 +123,4 @@ Status write_octoprint_printer(TextSink& out, std::string_view state_line) {
   return pieces.status();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -7,7 +7,7 @@
 #include "firmware/io/text/text_sink.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 /// @param state_line  the printer's state as its socket sends it; empty: the printer's daemon does not run
 /// @retval ErrorCode::kCannotWrite  `out` is full
@@ -15,4 +15,4 @@ namespace plumbline {
 [[nodiscard]] Status write_octoprint_job(TextSink& out, std::string_view state_line);
 [[nodiscard]] Status write_octoprint_printer(TextSink& out, std::string_view state_line);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

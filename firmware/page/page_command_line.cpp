@@ -13,7 +13,7 @@
 #include "firmware/settings/board_file.hpp"
 #include "firmware/state/socket_place.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 constexpr const char* kAbout =
@@ -109,4 +109,4 @@ ExitCode run_page_command_line(int argc, char** argv) {
   return serve(std::move(options));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

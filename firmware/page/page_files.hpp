@@ -3,7 +3,7 @@
 #include <span>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 /// A file of web/, in the program.
 struct PageFile {
@@ -15,4 +15,4 @@ struct PageFile {
 
 std::span<const PageFile> page_files();
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

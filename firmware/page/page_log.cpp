@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 void PageLog::say(const PrintableText& text, HostClock::time_point now) {
   if (!lines_.takes_line(now)) return;
@@ -24,4 +24,4 @@ void PageLog::count(HostClock::time_point now) {
   say(text.view(), now);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

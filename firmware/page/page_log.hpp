@@ -7,7 +7,7 @@
 #include "firmware/page/clients/client_address.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 class PageLog {
  public:
@@ -34,4 +34,4 @@ class PageLog {
   HostClock::time_point counted_at_{};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -7,7 +7,7 @@
 
 #include "firmware/child/rights.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 constexpr CallRule kRules[] = {
@@ -76,4 +76,4 @@ Status give_up_page_rights() {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

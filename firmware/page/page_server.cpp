@@ -18,7 +18,7 @@
 #include "firmware/page/printer_texts.hpp"
 #include "firmware/state/socket_place.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 constexpr std::size_t kMostPng = kLongestLine / 4 * 3;
@@ -474,4 +474,4 @@ void PageServer::run(HttpServer& server) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -23,7 +23,7 @@
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/state_line.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 class PageServer final : public HttpHandler {
  public:
@@ -96,4 +96,4 @@ class PageServer final : public HttpHandler {
   std::vector<std::byte> mask_;  ///< scratch
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

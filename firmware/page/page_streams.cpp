@@ -7,7 +7,7 @@
 #include "firmware/io/text/base64.hpp"
 #include "firmware/state/state_line.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 PageStreams::PageStreams() {
   for (Stream& stream : streams_) stream.report.resize(kLongestLine / 4 * 3);
@@ -63,4 +63,4 @@ bool PageStreams::wakes(HostClock::time_point now) {
   return true;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -12,7 +12,7 @@
 
 #include "firmware/page/http_server.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 class PageStreams {
  public:
@@ -58,4 +58,4 @@ class PageStreams {
   std::uint64_t woken_for_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

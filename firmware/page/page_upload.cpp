@@ -9,7 +9,7 @@
 
 #include "firmware/io/text/json_cursor.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 Descriptor PageUpload::offer(std::uint64_t bytes) {
   std::array<int, 2> ends{-1, -1};
@@ -88,4 +88,4 @@ void PageUpload::look_at(std::string_view state) {
                is_known ? problem.data() : "null");
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -12,7 +12,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/page/http_server.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 class PageUpload {
  public:
@@ -68,4 +68,4 @@ class PageUpload {
   FixedText<512> outcome_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -12,7 +12,7 @@
 #include "firmware/state/state_line.hpp"
 #include "hal/process/passed_descriptor.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 PrinterLink::PrinterLink(std::string path) : path_(std::move(path)), bytes_(2 * kLongestLine) {}
 
@@ -68,4 +68,4 @@ bool PrinterLink::send(std::string_view line, int file) {
   return false;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

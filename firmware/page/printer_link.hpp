@@ -10,7 +10,7 @@
 
 #include "firmware/io/descriptor.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 class PrinterLink {
  public:
@@ -45,4 +45,4 @@ class PrinterLink {
   std::size_t taken_ = 0, filled_ = 0;  ///< of bytes_
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -5,7 +5,7 @@
 
 #include "firmware/page/printer_texts.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 using Kind = PrinterQuestion::Kind;
 
@@ -49,4 +49,4 @@ void PrinterQuestions::forget(std::size_t stream) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -11,7 +11,7 @@
 #include "firmware/page/printer_link.hpp"
 #include "firmware/state/client_request.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 struct PrinterQuestion {
   enum class Kind : std::uint8_t { kNone, kCommand, kUpload, kPicture, kMask, kReportBegin, kReportPart };
@@ -58,4 +58,4 @@ class PrinterQuestions {
   std::uint64_t last_id_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

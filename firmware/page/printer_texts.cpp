@@ -4,7 +4,7 @@
 #include "firmware/io/text/json_cursor.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text) {
   return text ? to_number<std::uint64_t>(*text) : std::nullopt;
 }
@@ -38,4 +38,4 @@ FixedText<100> report_question(std::uint32_t print, std::uint64_t from) {
   return what;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

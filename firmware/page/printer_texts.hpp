@@ -7,7 +7,7 @@
 
 #include "firmware/io/text/fixed_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 /// A JSON number, if it is whole and fits.
 std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text);
@@ -28,4 +28,4 @@ FixedText<160> question_line(const char* what, std::uint64_t id);
 /// @param print  0: the last one
 FixedText<100> report_question(std::uint32_t print, std::uint64_t from);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -3,7 +3,7 @@
 #include "firmware/io/text/json_cursor.hpp"
 #include "firmware/page/printer_texts.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 HttpReply UploadRequests::ask(std::string_view body, const HttpTicket& ticket) {
   std::optional<std::uint64_t> id;
@@ -78,4 +78,4 @@ void UploadRequests::has_room(HttpServer& server) {
   server.go_on(upload_.ticket());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

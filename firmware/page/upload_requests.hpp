@@ -13,7 +13,7 @@
 #include "firmware/page/page_upload.hpp"
 #include "firmware/page/printer_questions.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 class UploadRequests {
  public:
@@ -55,4 +55,4 @@ class UploadRequests {
   HostClock::time_point until_{};  ///< of PageUpload::Stage::kWaiting
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

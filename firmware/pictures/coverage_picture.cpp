@@ -9,7 +9,7 @@
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/pictures/preview/preview_smoothing.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 using namespace preview;
 
@@ -99,4 +99,4 @@ Status draw_coverage(const RRep& rrep, const ConfidenceMap& map, std::string_vie
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

@@ -4,7 +4,7 @@
 #include "firmware/pictures/preview/preview.hpp"
 #include "slicer/rrep/confidence.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 /// Draws the object from the front, the back, above and below, at one scale, coloured by the evidence for each place of the
 /// surface, with a legend that gives the share of each colour. As large as the preview.
@@ -17,4 +17,4 @@ namespace plumbline {
 [[nodiscard]] Status draw_coverage(const RRep& rrep, const ConfidenceMap& map, std::string_view name, Arena& arena,
                                    std::span<std::uint8_t> rgb);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

@@ -7,7 +7,7 @@
 #include "firmware/pictures/preview/preview_section.hpp"
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 namespace {
 
 constexpr const char* kStage = "coverage picture";
@@ -162,4 +162,4 @@ Status survey_coverage(const RRep& rrep, const ConfidenceMap& map, const Extent&
   return {};
 }
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

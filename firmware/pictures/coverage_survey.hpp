@@ -10,7 +10,7 @@
 #include "slicer/rrep/confidence.hpp"
 #include "slicer/rrep/rrep.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 
 /// The scale that four views share, and where they go on the page.
 struct CoverageLayout {
@@ -30,4 +30,4 @@ struct CoverageLayout {
                                      const CoverageLayout& layout, Arena& arena, bool walls,
                                      const std::array<DepthMap, 2>& views);
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

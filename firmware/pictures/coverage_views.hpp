@@ -7,7 +7,7 @@
 #include "slicer/rrep/confidence.hpp"
 #include "slicer/rrep/rrep.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 
 /// Draws the print on a background, from the front, the back, above and below.
 /// @param map      not empty
@@ -19,4 +19,4 @@ namespace plumbline::preview {
 [[nodiscard]] Expected<PagePart> draw_coverage_views(const RRep& rrep, const ConfidenceMap& map, const Page& page,
                                                      bool named, Arena& arena, const Picture& picture);
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

@@ -10,7 +10,7 @@
 #include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 using namespace preview;
 
@@ -265,4 +265,4 @@ Status draw_issues_picture(const StackFindings& findings, const PrintGrid& grid,
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

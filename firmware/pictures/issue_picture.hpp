@@ -17,7 +17,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 /// The mask of a layer, valid until the next call.
 using MaskOf = FunctionRef<Expected<ConstBitImage>(std::uint32_t layer)>;
@@ -58,4 +58,4 @@ struct ShownIssues {
 [[nodiscard]] Status draw_issues_picture(const StackFindings& findings, const RRep& rrep, const Supports& supports,
                                          Arena& arena, IssuesPicture& picture);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

@@ -6,7 +6,7 @@
 #include "firmware/pictures/png.hpp"
 #include "firmware/pictures/preview/preview_views.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 using namespace preview;
 
@@ -125,4 +125,4 @@ void draw_layer_picture(ConstBitImage mask, LayerPicture& picture) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

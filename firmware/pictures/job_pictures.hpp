@@ -14,7 +14,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 /// @tparam Channels  1: grey levels; 3: red, green and blue. A byte each, row after row from the top
 template <std::size_t Channels, std::uint32_t MostColumns, std::uint32_t MostRows>
@@ -113,4 +113,4 @@ std::size_t preview_picture_bytes(const PrintGrid& grid);
 /// 1440 x 2560 pixels and 6 ms for 7680 x 4320.
 void draw_layer_picture(ConstBitImage mask, LayerPicture& picture);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

@@ -6,7 +6,7 @@
 #include <memory>
 #include <new>
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 namespace {
 
 /// The highest bit of the first channel of each pixel: the upper half of its levels.
@@ -163,4 +163,4 @@ Status decode_mask(std::span<const std::byte> file, BitImage out) {
   return decode_turned_mask(bytes, UINT64_MAX, {}, out);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

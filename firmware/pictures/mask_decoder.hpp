@@ -9,7 +9,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 /// Where the pixels of a file lie on the plate.
 struct MaskTurn {
@@ -52,4 +52,4 @@ struct GreyShare {
 /// Bytes that no PNG of a mask exceeds: two bytes a channel, four channels, without any compression.
 std::uint64_t most_mask_bytes(std::uint32_t columns, std::uint32_t rows);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

@@ -10,7 +10,7 @@
 #include "slicer/placement/core_bounds.hpp"
 #include "slicer/placement/placement.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 using namespace preview;
 
@@ -204,4 +204,4 @@ Status draw_scan_picture(const Cloud& cloud, Arena& arena, ScanPicture& picture)
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

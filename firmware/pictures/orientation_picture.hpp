@@ -12,7 +12,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 /// One orientation and the lines of text below it. ASCII; lines that are too long are cut.
 struct OrientationView {
@@ -44,4 +44,4 @@ struct OrientationView {
 /// @retval ErrorCode::kOutOfMemory  the arena has no room; there is no picture then
 [[nodiscard]] Status draw_scan_picture(const Cloud& cloud, Arena& arena, ScanPicture& picture);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

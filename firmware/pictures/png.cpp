@@ -9,7 +9,7 @@
 
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 namespace {
 
 /// Rows of the seven passes of an interlaced file (PNG specification, 8.2).
@@ -312,4 +312,4 @@ Expected<std::size_t> BytesOf::operator()(std::span<std::byte> to) {
   return count;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

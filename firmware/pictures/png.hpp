@@ -15,7 +15,7 @@
 
 struct spng_ctx;
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 /// Hands out the next bytes of a PNG file. @returns as ByteSource::read()
 using PngBytes = FunctionRef<Expected<std::size_t>(std::span<std::byte>)>;
@@ -184,4 +184,4 @@ struct BytesOf {
   Expected<std::size_t> operator()(std::span<std::byte> to);
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

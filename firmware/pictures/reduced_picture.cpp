@@ -8,7 +8,7 @@
 
 #include "firmware/pictures/preview/picture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 namespace {
 
 constexpr std::uint64_t kMostBytes = 16'000'000;  // of the file
@@ -74,4 +74,4 @@ Status decode_reduced(PngBytes bytes, std::span<std::uint8_t> rgb, const PngSize
   return file.finish();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

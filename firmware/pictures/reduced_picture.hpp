@@ -7,7 +7,7 @@
 #include "firmware/pictures/png.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 inline constexpr std::uint32_t kMostPictureSide = 4096;  ///< pixels of a file of decode_reduced()
 
@@ -18,4 +18,4 @@ inline constexpr std::uint32_t kMostPictureSide = 4096;  ///< pixels of a file o
 /// @retval any error of PngRows
 [[nodiscard]] Status decode_reduced(PngBytes bytes, std::span<std::uint8_t> rgb, const PngSize& size);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

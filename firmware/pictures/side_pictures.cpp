@@ -12,7 +12,7 @@
 #include "firmware/pictures/preview/preview_shading.hpp"
 #include "firmware/pictures/preview/preview_smoothing.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 using namespace preview;
 
@@ -263,4 +263,4 @@ Status draw_side_pictures(const RRep& rrep, const Supports& supports, Arena& are
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

@@ -7,7 +7,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 /// Bytes that draw_side_pictures() takes at most.
 std::size_t side_pictures_bytes(const PrintGrid& grid);
@@ -20,4 +20,4 @@ std::size_t side_pictures_bytes(const PrintGrid& grid);
 [[nodiscard]] Status draw_side_pictures(const RRep& rrep, const Supports& supports, Arena& arena,
                                         SidePictures& pictures);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

@@ -6,7 +6,7 @@
 #include "firmware/print/loop/print_job.hpp"
 #include "firmware/slice/issue_report.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 PrintSession::PrintSession(const BoardFile& board, const MachineFile& machine, Arena& arena, JobStore* store,
                            LayerDecoder* decoder)
@@ -148,4 +148,4 @@ PrintReport PrintSession::print(Machine& machine, PrintObserver& observer, Machi
   return report;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

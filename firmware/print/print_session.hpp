@@ -16,7 +16,7 @@
 #include "hal/machine.hpp"
 #include "slicer/core/arena.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class PrintSession {
  public:
@@ -50,7 +50,7 @@ class PrintSession {
   const PrintGrid& grid() const { return what_.parts.rrep.grid; }
   /// The mask of a layer. @pre the print is not running
   [[nodiscard]] Expected<ConstBitImage> mask(std::uint32_t layer) { return source().mask(layer); }
-  MaskFigures mask_figures() const { return plumbline::mask_figures(lines_, scratch_); }
+  MaskFigures mask_figures() const { return firmware::mask_figures(lines_, scratch_); }
   double pixel_ml() const;   ///< of the layers but the first
   double needed_ml() const;  ///< resin in all masks
 
@@ -82,4 +82,4 @@ class PrintSession {
   MachineRecord unkept_{machine_.tank_volume_ml};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

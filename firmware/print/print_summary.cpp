@@ -10,7 +10,7 @@
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/core/words/plural.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
@@ -284,4 +284,4 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.end_object();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

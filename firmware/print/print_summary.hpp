@@ -11,7 +11,7 @@
 #include "firmware/machine/step_figures.hpp"
 #include "firmware/print/print_session.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The input of a report.
 struct PrintOutcome {
@@ -33,4 +33,4 @@ struct PrintOutcome {
 /// One JSON object; firmware/README.md explains its keys.
 void write_print_report(JsonWriter& json, const PrintOutcome& outcome);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

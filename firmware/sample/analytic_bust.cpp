@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 // Scales the result down, because ellipsoids, tapered capsules and displaced shells give values that grow a little faster
@@ -246,4 +246,4 @@ Box3d bust_bounds() {
   return box;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -3,7 +3,7 @@
 
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Signed bound of the distance from `p` to the bust: negative inside, zero on its surface, positive outside.
 ///
@@ -24,4 +24,4 @@ bool bust_inside(const Vec3d& p);
 /// A box round the whole bust, mm. Its low z is 0, the underside.
 Box3d bust_bounds();
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

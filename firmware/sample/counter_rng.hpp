@@ -7,7 +7,7 @@
 #include "slicer/core/numbers/mix64.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class CounterRng {
  public:
@@ -42,4 +42,4 @@ class CounterRng {
   std::uint64_t key_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

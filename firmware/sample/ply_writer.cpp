@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::size_t kPointBytes = 24;
@@ -74,4 +74,4 @@ Status PlyWriter::close() {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -11,7 +11,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Writes PLY, binary little-endian, float x y z nx ny nz: 24 bytes a point. A file that was not closed by
 /// close() is removed, so a scan is complete or absent; pipes and devices stay.
@@ -42,4 +42,4 @@ class PlyWriter {
   std::uint64_t missing_;  ///< points still to come
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

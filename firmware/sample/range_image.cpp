@@ -7,7 +7,7 @@
 
 #include "firmware/sample/analytic_bust.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr double kDepthNoise = 0.02;  // mm, sigma for a surface seen straight on
@@ -144,4 +144,4 @@ Vec3d RangeImage::normal(std::size_t i, std::size_t j) const {
   return unit.dot(away) > 0.0 ? Vec3d{-unit} : unit;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

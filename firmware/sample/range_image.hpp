@@ -10,7 +10,7 @@
 #include "firmware/sample/counter_rng.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A station: camera and projector, looking at the bust. mm.
 struct Station {
@@ -91,4 +91,4 @@ class RangeImage {
   std::vector<PixelState> state_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

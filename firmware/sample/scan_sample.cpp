@@ -11,7 +11,7 @@
 #include "firmware/sample/ply_writer.hpp"
 #include "firmware/sample/range_image.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 // The scanner. Lengths in mm.
@@ -254,4 +254,4 @@ Status write_bust_scan(const std::string& path, const SampleSettings& settings,
   return writer->close();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -8,7 +8,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct SampleSettings {
   std::uint64_t points = 300'000;  ///< exactly this many; kMinSamplePoints to kMaxSamplePoints
@@ -44,4 +44,4 @@ inline constexpr std::uint64_t kMaxSamplePoints = 50'000'000;
 [[nodiscard]] Status write_bust_scan(const std::string& path, const SampleSettings& settings,
                                      const std::function<bool(double)>& progress = {});
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

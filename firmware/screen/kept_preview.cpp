@@ -4,7 +4,7 @@
 
 #include "firmware/state/picture_line.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 Expected<KeptPreview> KeptPreview::create() {
   auto decoder = PictureDecoder::create();
@@ -32,4 +32,4 @@ const PreviewPicture* KeptPreview::of(const KeptPrints& prints, std::uint32_t nu
   return picture.there() ? &picture : nullptr;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -8,7 +8,7 @@
 #include "firmware/pictures/png.hpp"
 #include "firmware/print/job/kept_prints.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 /// The preview of the kept print that somebody looks at: read and decoded once, when another one is asked for.
 class KeptPreview {
@@ -30,4 +30,4 @@ class KeptPreview {
   std::uint32_t number_ = 0;             ///< of the picture; 0: none
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -3,7 +3,7 @@
 #include "firmware/print/status/print_state.hpp"
 #include "firmware/screen/screen_parts.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 /// By PanelLight.
@@ -80,4 +80,4 @@ void draw_light_card(const Sheet& sheet) {
   sheet.page.paragraph(rest, sheet.say(kLightPatterns[sheet.view.pattern].meaning), sheet.bold());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

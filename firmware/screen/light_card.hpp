@@ -7,7 +7,7 @@
 #include "firmware/messages/catalogue.hpp"
 #include "firmware/print/status/print_state.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 /// One pattern. Its lights are those of `state`; all states that share them have the same row.
 struct LightPattern {
@@ -35,4 +35,4 @@ bool same_lights(PrintState a, PrintState b);
 /// The row of a state.
 std::size_t light_pattern_of(PrintState state);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 int thirds_of(int columns, int rows) {
@@ -20,4 +20,4 @@ Look::Look(int columns, int rows)
       title(FontWeight::kBold, 4 * thirds),
       large(FontWeight::kBold, 5 * thirds) {}
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -4,7 +4,7 @@
 #include "firmware/canvas/canvas.hpp"
 #include "firmware/canvas/face.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 namespace ink {
 inline constexpr Colour kGround = colour(10, 14, 18);
@@ -41,4 +41,4 @@ struct Look {
   Face large;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 constexpr std::string_view kEllipsis = "…";
@@ -87,4 +87,4 @@ void Page::set(int x, int baseline, std::string_view text, bool cut, const TextS
   notes_[note_count_++] = {{x, top, end - x, style.face.cap_height() + style.face.descent()}, too_long};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -10,7 +10,7 @@
 #include "firmware/canvas/face.hpp"
 #include "firmware/screen/look.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 enum class Align : std::uint8_t { kLeft, kCentre, kRight };
 
@@ -64,4 +64,4 @@ class Page {
   std::size_t note_count_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

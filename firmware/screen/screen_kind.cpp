@@ -1,6 +1,6 @@
 #include "firmware/screen/screen_kind.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 ScreenKind screen_of(const PrinterRecord& record) {
   switch (record.state) {
@@ -27,4 +27,4 @@ ScreenKind screen_of(const PrinterRecord& record) {
   return ScreenKind::kFault;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

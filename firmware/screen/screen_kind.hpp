@@ -4,7 +4,7 @@
 
 #include "firmware/state/printer_record.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 enum class ScreenKind : std::uint8_t {
   kIdle,
@@ -25,4 +25,4 @@ inline constexpr std::size_t kScreenKindCount = 12;
 /// The screen of a state. Total.
 ScreenKind screen_of(const PrinterRecord& record);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 constexpr int kTitleRows = 34;
@@ -132,4 +132,4 @@ ShortText duration(std::chrono::seconds time) {
   return text;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

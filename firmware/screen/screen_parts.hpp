@@ -12,7 +12,7 @@
 #include "firmware/screen/page.hpp"
 #include "firmware/screen/screen_view.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 /// An English sentence of the printer as the screen shows it: with a capital if it begins with an article, since what begins
 /// with a name keeps it, and with the signs of the buttons instead of their names.
@@ -117,4 +117,4 @@ void draw_prints(const Sheet& sheet);
 void draw_light_card(const Sheet& sheet);
 void draw_ending(const Sheet& sheet);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

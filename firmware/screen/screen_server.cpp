@@ -7,7 +7,7 @@
 #include "firmware/screen/screens.hpp"
 #include "firmware/screen/setting_rows.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 std::optional<ScreenButton> button_of_event(EventKind kind) {
@@ -197,4 +197,4 @@ void ScreenServer::choose_next(const PrinterRecord& record, CommandTaker& taker)
   static_cast<void>(taker.take(request));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -14,7 +14,7 @@
 #include "hal/events.hpp"
 #include "hal/status_screen.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 class ScreenServer {
  public:
@@ -60,4 +60,4 @@ class ScreenServer {
   std::uint32_t frames_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

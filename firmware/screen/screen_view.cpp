@@ -3,7 +3,7 @@
 #include "firmware/screen/screen_kind.hpp"
 #include "firmware/screen/setting_rows.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 using Uses = std::array<std::optional<ButtonUse>, kScreenButtonCount>;
@@ -168,4 +168,4 @@ ScreenView still_open(const PrinterRecord& record, ScreenView view) {
   return view;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -11,7 +11,7 @@
 #include "firmware/state/command_rules.hpp"
 #include "firmware/state/printer_record.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 /// What the row at hand in the list of scans is, in the rows' order.
 enum class ListRow : std::uint8_t {
@@ -92,4 +92,4 @@ std::array<std::optional<ButtonUse>, kScreenButtonCount> buttons_of(const Printe
 /// The view without what the printer's state has closed.
 ScreenView still_open(const PrinterRecord& record, ScreenView view);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -3,7 +3,7 @@
 #include "firmware/screen/screen_kind.hpp"
 #include "firmware/screen/screen_parts.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 void draw_kind(const Sheet& sheet) {
@@ -41,4 +41,4 @@ void draw_screen(Page& page, const PrinterRecord& record, const ScreenView& view
   draw_buttons(sheet);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

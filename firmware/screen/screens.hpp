@@ -7,7 +7,7 @@
 #include "firmware/screen/screen_view.hpp"
 #include "firmware/state/printer_record.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 /// Draws the whole screen of the printer's state, with what people have opened on it.
 /// @param view          by still_open()
@@ -18,4 +18,4 @@ void draw_screen(Page& page, const PrinterRecord& record, const ScreenView& view
 /// The kept print whose preview the screen shows. @returns nothing: it shows none
 std::optional<std::uint32_t> preview_wanted(const PrinterRecord& record, const ScreenView& view);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -9,7 +9,7 @@
 #include "firmware/screen/screen_parts.hpp"
 #include "firmware/screen/setting_rows.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 /// Of the list of prints: the rest of the screen is the picture's.
@@ -149,4 +149,4 @@ void draw_ending(const Sheet& sheet) {
   draw_message(sheet, sheet.body(), sheet.say(Words::kPleaseWait), {});
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

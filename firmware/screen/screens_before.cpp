@@ -7,7 +7,7 @@
 #include "firmware/screen/screen_parts.hpp"
 #include "firmware/screen/setting_rows.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 constexpr int kRowsWithPictures = 3;  ///< fewer than without, so that the pictures are large enough
@@ -322,4 +322,4 @@ void draw_slicing(const Sheet& sheet) {
   draw_bar(sheet, rest.from_row(large + sheet.px(6)).top_rows(sheet.px(14)), slicing.fraction);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -5,7 +5,7 @@
 #include "firmware/screen/screen_parts.hpp"
 #include "firmware/screen/setting_rows.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 ShortText layer_line(const Sheet& sheet, const ProgressRecord& progress) {
@@ -129,4 +129,4 @@ void draw_pause(const Sheet& sheet) {
                   sheet.plain(ink::kPale));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

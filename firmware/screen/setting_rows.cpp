@@ -8,7 +8,7 @@
 #include "firmware/archive/layer_archive.hpp"
 #include "firmware/screen/screen_parts.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 namespace {
 
 enum class Row : std::uint8_t { kProfile, kHeight, kTurn, kTilt, kUpright, kSupports, kLayerHeight };
@@ -193,4 +193,4 @@ ClientRequest changed_value(std::size_t field, const Contract& contract, bool up
   return request;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

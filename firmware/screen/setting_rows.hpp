@@ -8,7 +8,7 @@
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/printer_record.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline screen {
 
 /// How many rows a job has: all, or, if it is an archive, only the profile.
 /// @param record  with a job
@@ -37,4 +37,4 @@ FixedText<32> decimal(double value, int digits, Language language);
 /// @pre the field can_be_changed()
 ClientRequest changed_value(std::size_t field, const Contract& contract, bool up);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline screen

@@ -8,7 +8,7 @@
 #include "firmware/settings/wiring_file.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 namespace {
 
 constexpr double kMaxSide = PrintGrid::kMaxSide;
@@ -133,4 +133,4 @@ PrinterVolume printer_volume(const BoardFile& board) {
           .travel_mm = static_cast<float>(board.travel_mm)};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

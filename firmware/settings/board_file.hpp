@@ -14,7 +14,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/placement/placement.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 /// mm between the highest position of a move and the end stop, so that no move presses it. Homing finds the end stop to within a
 /// microstep, so any clearance above the switch's own travel would do.
@@ -107,4 +107,4 @@ std::string check_board_key(const SettingRule& rule, const BoardFile& board, Mac
 /// The build volume.
 PrinterVolume printer_volume(const BoardFile& board);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

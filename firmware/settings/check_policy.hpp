@@ -8,7 +8,7 @@
 
 #include "slicer/checks/issue.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 enum class CheckAction : std::uint8_t {
   kIgnore,  ///< it is in the manifest only
@@ -43,4 +43,4 @@ struct CheckChoice {
   }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

@@ -9,7 +9,7 @@
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/support_building.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 namespace {
 
 constexpr std::size_t kMiB = std::size_t{1024} * 1024;
@@ -88,4 +88,4 @@ void start_threads(std::uint32_t threads) {
   static_cast<void>(started);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

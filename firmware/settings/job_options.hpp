@@ -12,7 +12,7 @@
 #include "slicer/slice_settings.hpp"
 #include "slicer/supports/support_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 /// As on the command line. Absent options come from the board file or have a default.
 struct JobOptions {
@@ -73,4 +73,4 @@ SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportS
 /// @param threads  JobSetup::threads
 void start_threads(std::uint32_t threads);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

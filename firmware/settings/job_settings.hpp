@@ -8,7 +8,7 @@
 #include "slicer/placement/placement.hpp"
 #include "slicer/reader/read_as.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 /// How an object is printed from a stick. board/README.md has the table of the keys.
 struct JobSettings {
@@ -35,4 +35,4 @@ struct JobSettings {
   }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

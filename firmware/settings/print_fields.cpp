@@ -4,7 +4,7 @@
 
 #include "firmware/settings/print_profile.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 const std::array<PrintField, kPrintKeyCount> kPrintFields = {{
     {PrintKey::kLayerHeight, "layer_height", &PrintProfile::layer_height, 0.005, 1, " mm"},
@@ -70,4 +70,4 @@ const PrintField* receive(const PassedValues& passed, PrintValues& values) {
   return nullptr;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <variant>
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 struct PrintProfile;
 
@@ -84,4 +84,4 @@ PassedValues pass(const PrintValues& values);
 /// @returns a field whose value is impossible; null: all are taken
 const PrintField* receive(const PassedValues& passed, PrintValues& values);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

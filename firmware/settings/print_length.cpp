@@ -5,7 +5,7 @@
 #include "slicer/core/numbers/to_number.hpp"
 #include "slicer/placement/placement.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 namespace {
 
 std::optional<double> millimetres_in(std::string_view unit) {
@@ -42,4 +42,4 @@ std::optional<double> parse_length(std::string_view text) {
   return mm;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

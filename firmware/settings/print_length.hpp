@@ -6,7 +6,7 @@
 
 #include "slicer/placement/floor_choice.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 inline constexpr const char* kLengthForm = "a length from 1 mm to 10 m, such as 80mm, 8cm or 3.15in";
 
@@ -19,4 +19,4 @@ inline constexpr const char* kFloorForm = "auto, keep, or a height of the scan i
 /// "auto", "keep", or a number: everything below that height is cut off.
 std::optional<FloorChoice> parse_floor(std::string_view text);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

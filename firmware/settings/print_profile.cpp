@@ -8,7 +8,7 @@
 #include "firmware/settings/settings_file.hpp"
 #include "firmware/settings/settings_folders.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 namespace {
 
 std::vector<SettingRule> rules_for(PrintProfile& p) {
@@ -115,4 +115,4 @@ void tell_checks(const std::optional<BoardFile>& board, SliceSettings& settings)
   if (board && board->machine) tell_checks(profile_or_defaults(board), *board->machine, settings);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

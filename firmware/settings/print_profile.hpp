@@ -15,7 +15,7 @@
 #include "slicer/slice_settings.hpp"
 #include "slicer/supports/support_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 /// Names are those of PrusaSlicer's SLA settings where it has one. Every number is inside the range given in
 /// board/README.md. Heights in mm, times in s, speeds in mm/min, as resin users know them; PrintPlan has them as types.
@@ -76,4 +76,4 @@ void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceS
 /// The same with the board's own profile. Without a printer, or if its profile can't be read, nothing is told.
 void tell_checks(const std::optional<BoardFile>& board, SliceSettings& settings);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

@@ -5,7 +5,7 @@
 #include "slicer/core/numbers/to_number.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 Expected<std::optional<double>> parse_print_value(const PrintField& field, std::string_view text) {
   if (text.empty()) return std::optional<double>();
@@ -35,4 +35,4 @@ Status parse_assignment(std::string_view text, PrintValues& values) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

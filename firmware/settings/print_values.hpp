@@ -7,7 +7,7 @@
 #include "firmware/settings/print_fields.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 /// @returns none: an empty text, which takes the value back
 /// @retval ErrorCode::kBadSetting  the key, what was found, what is allowed
@@ -17,4 +17,4 @@ namespace plumbline {
 /// @retval ErrorCode::kBadSetting  it has no '=', no person can set that key, or as above
 [[nodiscard]] Status parse_assignment(std::string_view text, PrintValues& values);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

@@ -5,7 +5,7 @@
 
 #include "firmware/settings/setting_words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 namespace {
 
 /// "none, x or y"
@@ -59,4 +59,4 @@ std::vector<std::string_view> known_keys(std::span<const SettingRule> rules, std
   return keys;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

@@ -8,7 +8,7 @@
 
 #include "firmware/settings/settings_file.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 /// What a key accepts: "an integer from 1 to 16384 pixels".
 std::string allowed(const SettingRule& rule);
@@ -19,4 +19,4 @@ std::vector<std::string_view> known_tables(std::span<const SettingRule> rules);
 /// The keys of one table, in the order of the rules.
 std::vector<std::string_view> known_keys(std::span<const SettingRule> rules, std::string_view table);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

@@ -6,7 +6,7 @@
 #include "slicer/core/words/edit_distance.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 std::string printable(std::string_view text, std::size_t longest) {
   return std::string(PrintableText(text, longest).view());
@@ -45,4 +45,4 @@ std::string joined(const std::vector<std::string_view>& words) {
   return text;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

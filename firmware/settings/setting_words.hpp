@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 /// A PrintableText of at most `longest` bytes, for messages that are put together from strings.
 std::string printable(std::string_view text, std::size_t longest = 60);
@@ -28,4 +28,4 @@ std::optional<std::string_view> nearest_within(std::string_view word, const std:
 /// "columns, rows"
 std::string joined(const std::vector<std::string_view>& words);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

@@ -27,7 +27,7 @@
 #include "firmware/settings/setting_rules.hpp"
 #include "firmware/settings/setting_words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 namespace {
 
 constexpr std::size_t kLongestPath = 150;  ///< characters of a path in a message, so that there is room for the rest
@@ -297,4 +297,4 @@ Status read_settings_file(const std::string& path, const SettingsSchema& schema)
   return parse_settings(*text, path, schema);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

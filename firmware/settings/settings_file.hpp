@@ -12,7 +12,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 /// Whether a text has only what TextKind::kName allows: letters, digits, spaces, and . _ -
 bool is_setting_name(std::string_view text);
@@ -99,4 +99,4 @@ inline constexpr std::size_t kMaxSettingsFileBytes = std::size_t{64} * 1024;
 /// @retval ErrorCode::kMalformed  larger than kMaxSettingsFileBytes
 [[nodiscard]] Expected<std::string> read_settings_text(const std::string& path, const char* kind);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

@@ -10,7 +10,7 @@
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/settings/setting_words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 namespace {
 
 namespace fs = std::filesystem;
@@ -110,4 +110,4 @@ Status check_file_name(const std::string& path, const char* key, const std::stri
               printable(path).c_str(), key, name.c_str(), file.filename().c_str());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

@@ -6,7 +6,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 /// Folders that may hold board files, in the order in which they are searched: `board` in the working directory,
 /// `../share/plumbline/board` of the installed program, and `board` of the source tree that the program was built in.
@@ -32,4 +32,4 @@ std::vector<std::string> profile_names(const std::string& board_path);
 /// @retval ErrorCode::kBadSetting  names both
 [[nodiscard]] Status check_file_name(const std::string& path, const char* key, const std::string& name);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

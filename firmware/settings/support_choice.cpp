@@ -1,6 +1,6 @@
 #include "firmware/settings/support_choice.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 Expected<std::optional<SupportSettings>> SupportChoice::over(bool enabled, SupportSettings settings) const {
   const bool wanted = enable.value_or(enabled);
@@ -18,4 +18,4 @@ Expected<std::optional<SupportSettings>> SupportChoice::over(bool enabled, Suppo
   return settings;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

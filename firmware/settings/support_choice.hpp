@@ -7,7 +7,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/supports/support_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 struct SupportChoice {
   std::optional<bool> enable;                                       ///< none: as in the profile
@@ -20,4 +20,4 @@ struct SupportChoice {
   [[nodiscard]] Expected<std::optional<SupportSettings>> over(bool enabled, SupportSettings settings) const;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

@@ -1,6 +1,6 @@
 #include "firmware/settings/wiring_file.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 namespace {
 
 constexpr std::array<std::string_view, 2> kActive = {"high", "low"};  // by LineSettings::active_low
@@ -107,4 +107,4 @@ std::vector<std::string_view> missing_tables(const Wiring& wiring) {
   return names;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

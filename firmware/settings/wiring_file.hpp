@@ -8,7 +8,7 @@
 #include "firmware/settings/settings_file.hpp"
 #include "hal/wiring.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline settings {
 
 /// Adds the rules of [display], [lamp_line], ..., [stick]. Every key is optional.
 void add_wiring_rules(std::vector<SettingRule>& rules, Wiring& wiring);
@@ -19,4 +19,4 @@ std::string check_wiring(const SettingRule& rule, const Wiring& wiring);
 /// Names of the tables that every printer needs and that the file lacks.
 std::vector<std::string_view> missing_tables(const Wiring& wiring);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline settings

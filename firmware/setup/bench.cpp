@@ -5,7 +5,7 @@
 
 #include "firmware/settings/setting_words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Whether somebody wants to stop; for Dialogue::watch.
@@ -88,4 +88,4 @@ Status Bench::show(const std::function<void(BitImage)>& draw) {
   return machine().mask.present(std::move(*mask));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

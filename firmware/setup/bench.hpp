@@ -9,7 +9,7 @@
 #include "firmware/io/interrupt.hpp"
 #include "firmware/setup/setup.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The source of a measured value, in its line's comment.
 inline constexpr const char* kMeasured = "measured by plumbline setup";
@@ -68,4 +68,4 @@ class Bench {
   std::unique_ptr<BackEnd> back_end_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

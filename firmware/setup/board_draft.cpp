@@ -7,7 +7,7 @@
 #include "firmware/settings/setting_rules.hpp"
 #include "firmware/settings/setting_words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 bool is_text(const SettingRule& rule) {
@@ -323,4 +323,4 @@ std::string BoardDraft::text() const {
 
 Expected<BoardFile> BoardDraft::board() const { return parse_board_file(text(), board_.name + ".toml"); }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

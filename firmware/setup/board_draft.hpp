@@ -9,7 +9,7 @@
 #include "firmware/settings/board_file.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class BoardDraft {
  public:
@@ -64,4 +64,4 @@ class BoardDraft {
   std::map<std::pair<std::string, std::string>, std::string> sources_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

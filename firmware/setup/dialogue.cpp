@@ -10,7 +10,7 @@
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/progress_lines.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Far above any answer; a pasted file must not fill the memory.
@@ -155,4 +155,4 @@ Status WrittenAnswers::refuse(const Question& question, const Error& reason) {
               question.name.c_str(), reason.message());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

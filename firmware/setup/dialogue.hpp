@@ -9,7 +9,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct Question {
   std::string name;      ///< "panel.columns", as an answers file has it
@@ -82,4 +82,4 @@ class WrittenAnswers final : public Dialogue {
   std::map<std::string, Answer, std::less<>> answers_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 #include "firmware/settings/setting_words.hpp"
 #include "firmware/setup/bench.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 void draw_white(BitImage mask) {
@@ -93,4 +93,4 @@ Status measure_lamp(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& op
       });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

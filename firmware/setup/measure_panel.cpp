@@ -3,7 +3,7 @@
 #include "firmware/setup/bench.hpp"
 #include "firmware/setup/panel_look.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr int kMostLooks = 10;
@@ -91,4 +91,4 @@ Status measure_panel(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& o
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -4,7 +4,7 @@
 #include "firmware/setup/bench.hpp"
 #include "firmware/setup/stage_trial.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr int kMostJogs = 8;
@@ -146,4 +146,4 @@ Status measure_stage(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& o
               "%d moves and no two agree:\tcheck that screw and motor don't slip, then run setup again", kMostJogs);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using Mirror = PanelLayout::Mirror;
@@ -89,4 +89,4 @@ Expected<PanelLayout> layout_for(const PanelLayout& sent, const CornerSquares& s
       seen[0], seen[1], seen[2], seen[3]);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

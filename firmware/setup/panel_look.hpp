@@ -8,7 +8,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Squares in each corner: clockwise from the one at the back on the left, for somebody who looks down on the panel from above; of a
 /// picture clockwise from the upper left.
@@ -34,4 +34,4 @@ CornerSquares squares_in(ConstBitImage picture);
 /// @retval ErrorCode::kBadSetting  no panel shows the picture like that: the corners are not 1 2 3 4, turned or mirrored
 [[nodiscard]] Expected<PanelLayout> layout_for(const PanelLayout& sent, const CornerSquares& seen);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 #include "hal/wiring.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kAsked = "asked by plumbline setup";
@@ -137,4 +137,4 @@ Status ask_about_printer(Dialogue& dialogue, BoardDraft& draft, const std::strin
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

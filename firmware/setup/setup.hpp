@@ -10,7 +10,7 @@
 #include "firmware/setup/board_draft.hpp"
 #include "firmware/setup/dialogue.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Longest light for a look at the panel, and for a meter's reading.
 inline constexpr std::chrono::seconds kFlash{1};
@@ -45,4 +45,4 @@ std::string to_text(std::span<const BoardPart> parts);
 /// @param thickness_mm  Cd, above 0
 Irradiance irradiance_of(const PrintProfile& resin, double thickness_mm, std::chrono::duration<double> lit);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// mm a turn: T8 and other lead screws, ball screws.
@@ -51,4 +51,4 @@ Expected<Drive> drive_for(const Drive& drive, Distance asked, double moved_mm) {
   return found;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "hal/units.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct Drive {
   double rotation_distance_mm = 0;  ///< as MachineFile
@@ -28,4 +28,4 @@ inline constexpr double kSameTravel = 0.03;
 /// @retval ErrorCode::kBadSetting  moved_mm is 0, or more than 1000 times too much or too little
 [[nodiscard]] Expected<Drive> drive_for(const Drive& drive, Distance asked, double moved_mm);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

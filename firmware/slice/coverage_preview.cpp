@@ -7,7 +7,7 @@
 #include "firmware/pictures/preview/preview.hpp"
 #include "firmware/slice/job_report.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Share of rays without solid above which a scan encloses nothing. A few percent of the rays pass beside any object, while
@@ -48,4 +48,4 @@ Expected<CoveragePreview> preview_coverage(const RRep& rrep, const SliceReport& 
   return CoveragePreview{report.confidence.shares(), report.flat_underside, outside / shot};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

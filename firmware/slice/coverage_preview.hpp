@@ -11,7 +11,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/slice_report.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct CoveragePreview {
   ConfidenceShares shares;
@@ -32,4 +32,4 @@ struct CoveragePreview {
                                                          std::string_view name, const std::string& picture,
                                                          Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -8,7 +8,7 @@
 #include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// What is smaller than a drop would need an exponent in millilitres.
@@ -263,4 +263,4 @@ void write_issues(JsonWriter& json, const std::optional<StackFindings>& findings
   json.end_object();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -13,7 +13,7 @@
 #include "slicer/core/function_ref.hpp"
 #include "slicer/placement/placement.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The limits for a job. With a printer its panel has an edge and its Z stage a travel.
 CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel, double overcure_mm);
@@ -50,4 +50,4 @@ CheckAction verdict(const StackFindings& findings, const CheckPolicy& policy);
 void write_issues(JsonWriter& json, const std::optional<StackFindings>& findings, const PrintGrid& grid,
                   const CheckPolicy& policy);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 bool is_sl1_name(std::string_view path) { return has_ending(path, ".sl1") || has_ending(path, ".sl1s"); }
 
@@ -34,4 +34,4 @@ Status JobArchive::finish(const Sl1Job& job) {
   return zip_.finish();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

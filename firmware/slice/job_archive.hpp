@@ -14,7 +14,7 @@
 #include "firmware/archive/zip_writer.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Whether an output's name ends in .sl1 or .sl1s, in any case.
 bool is_sl1_name(std::string_view path);
@@ -42,4 +42,4 @@ class JobArchive {
   ZipWriter zip_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -16,7 +16,7 @@
 #include <optional>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kLayers = "layers";
@@ -274,4 +274,4 @@ FixedPath JobDirectory::layer_path(std::uint32_t layer) const {
   return file;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -19,7 +19,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 enum class JobPicture : std::uint8_t {
   kPreview,     ///< what is to be printed, or was
@@ -90,4 +90,4 @@ class JobDirectory {
   std::uint32_t written_end_ = 0;  ///< one past the last layer written
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

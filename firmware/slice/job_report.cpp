@@ -9,7 +9,7 @@
 #include "firmware/slice/proof_report.hpp"
 #include "slicer/core/words/plural.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr double kSmallestUsual = 5;   ///< mm, longest side; smaller and larger prints are rare, and wrong units common
@@ -421,4 +421,4 @@ void find_warnings(JobReport& report) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

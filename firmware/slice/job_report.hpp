@@ -14,7 +14,7 @@
 #include "slicer/slicer.hpp"
 #include "slicer/supports/support_finder.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Sentences to read before printing.
 struct JobWarnings {
@@ -117,4 +117,4 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit);
 /// Adds to report.warnings what a user should know before printing, issues of the masks included.
 void find_warnings(JobReport& report);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 #include "slicer/core/words/plural.hpp"
 #include "slicer/reader/formats/format_probe.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using Text = FixedText<3 * kMaxPath>;
@@ -208,4 +208,4 @@ Status write_summary(OutputFile& out, const JobReport& report, const char* outpu
   return out.write(text.view());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

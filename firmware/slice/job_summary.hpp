@@ -6,7 +6,7 @@
 #include "firmware/io/output_file.hpp"
 #include "firmware/slice/job_report.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Size, layers, resin, printing time, what was not scanned, and the files to look at.
 /// @param output      the job's folder
@@ -16,4 +16,4 @@ namespace plumbline {
 [[nodiscard]] Status write_summary(OutputFile& out, const JobReport& report, const char* output,
                                    std::string_view print_time, bool verbose);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/reader/formats/format_probe.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 void write_scan(JsonWriter& json, const JobReport& report) {
@@ -289,4 +289,4 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   json.end_object();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

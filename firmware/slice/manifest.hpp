@@ -8,7 +8,7 @@
 #include "firmware/slice/job_report.hpp"
 #include "slicer/reader/formats/format_probe.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 inline constexpr JsonField<ScanSummary> kScanFields[] = {
     {"format", [](auto& json, auto& scan) { json.value(scan.header.format); }},
@@ -64,4 +64,4 @@ inline constexpr std::uint32_t kManifestFormat = 2;
 /// @param layer_hashes  mask_hash() of each layer; empty: none are written
 void write_manifest(JsonWriter& json, const JobReport& report, std::span<const std::uint64_t> layer_hashes);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -15,7 +15,7 @@
 #include "firmware/pictures/png.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,4 +167,4 @@ Status MaskStack::read(std::uint32_t layer, BitImage out) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -13,7 +13,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Figures of a stack that masks don't have.
 struct StackScale {
@@ -70,4 +70,4 @@ class MaskStack {
 /// @returns none if a length is missing or not between 0.001 and 10 mm
 std::optional<StackScale> scale_in_manifest(std::string_view json);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

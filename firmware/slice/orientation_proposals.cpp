@@ -4,7 +4,7 @@
 
 #include "slicer/source_checks.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// mm of the print in the unit of the scan, if the scan is turned.
@@ -51,4 +51,4 @@ Expected<Proposals> propose_orientations(const SurfaceSamples& samples, const Sc
   return proposals;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "slicer/placement/placement.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A way up, and what it costs in mm of the print.
 struct Proposal {
@@ -36,4 +36,4 @@ using Proposals = std::array<Proposal, kProposalCount>;
                                                        const PlacementSettings& placement,
                                                        const StageProgress& progress);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

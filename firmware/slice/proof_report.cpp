@@ -4,7 +4,7 @@
 
 #include "firmware/io/text/json_writer.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kAdvice = "Look at the preview, check the normals of the scan, or scan more densely";
@@ -48,4 +48,4 @@ void write_proof(JsonWriter& json, const PointProof& proof) {
   json.end_object();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "slicer/reader/scan_sources.hpp"
 #include "slicer/rrep/point_proof.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class JsonWriter;
 
@@ -26,4 +26,4 @@ FixedText<128> proven_text(const PointProof& proof);
 /// Writes "proof": counts of points, and the distance from which on they are off.
 void write_proof(JsonWriter& json, const PointProof& proof);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -21,7 +21,7 @@
 #include "slicer/support_building.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& arena) {
   auto scan = ScanFiles::open(settings.scan_paths);
   PLUMBLINE_TRY(scan);
@@ -237,4 +237,4 @@ Status SliceJob::write_manifest_file(std::span<const std::uint64_t> hashes) {
   return directory_->finish(*file);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

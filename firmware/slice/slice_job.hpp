@@ -18,7 +18,7 @@
 #include "slicer/slicer.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What an .sl1 archive says besides the masks.
 struct ArchiveOutput {
@@ -81,4 +81,4 @@ class SliceJob {
   JobReport report_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "firmware/io/text/json_writer.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 namespace {
 
 static_assert(kSideCount == 16 && kProposalCount == 5, "the messages name the last one");
@@ -297,4 +297,4 @@ Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t 
   return json.finish();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

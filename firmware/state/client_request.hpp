@@ -18,12 +18,11 @@
 #include <string_view>
 
 #include "firmware/io/text/fixed_text.hpp"
+#include "firmware/io/text/text_sink.hpp"
 #include "firmware/state/command_rules.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
-
-class TextSink;
+namespace plumbline::firmware::inline state {
 
 enum class PictureName : std::uint8_t { kPreview, kIssues, kCoverage, kLayer, kSide, kProposal, kScan };
 /// In this order.
@@ -62,4 +61,4 @@ inline constexpr std::size_t kLongestRequest = 1023;
 /// @retval ErrorCode::kCannotWrite  `out` is full
 [[nodiscard]] Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t id);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

@@ -4,7 +4,7 @@
 
 #include "firmware/archive/layer_archive.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 namespace {
 
 /// A state at rest must also wait for an answer: else the command would be lost.
@@ -146,4 +146,4 @@ std::optional<EventKind> button_of(Command command) {
   return std::nullopt;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

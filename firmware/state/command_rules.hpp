@@ -10,7 +10,7 @@
 #include "firmware/state/printer_record.hpp"
 #include "hal/events.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 enum class Command : std::uint8_t {
   kStart,       ///< print the job that is offered
@@ -68,4 +68,4 @@ FixedText<200> what_it_takes(const PrinterRecord& record);
 /// @pre takes()
 std::optional<EventKind> button_of(Command command);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

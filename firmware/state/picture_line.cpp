@@ -6,7 +6,7 @@
 #include "firmware/io/random_id.hpp"
 #include "firmware/io/text/base64.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 namespace {
 
 /// For all of a reply but the picture.
@@ -115,4 +115,4 @@ Status PictureLine::write_mask(TextSink& out, std::optional<std::uint64_t> id, s
   return write_data_line(out, id, members.view(), "png", {mask_base64_.data(), *size});
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

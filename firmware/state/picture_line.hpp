@@ -11,7 +11,7 @@
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/state_line.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 /// A picture as it was drawn last.
 struct DrawnPicture {
@@ -73,4 +73,4 @@ class PictureLine {
   std::array<Encoded, kPictureWords.size()> encoded_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 void PrinterRecord::begin_job() {
   job.reset();
@@ -68,4 +68,4 @@ void PrinterRecord::set_fault(FaultCode which, std::string_view finding, std::st
   fault->told = told;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

@@ -25,7 +25,7 @@
 #include "slicer/core/words/told.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 /// Replaces a text, cut between two characters where it is too long.
 template <std::size_t Capacity>
@@ -205,4 +205,4 @@ struct PrinterRecord {
   void set_fault(FaultCode which, std::string_view finding, std::string_view remedy, const Told& told = {});
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

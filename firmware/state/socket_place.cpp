@@ -9,7 +9,7 @@
 #include <cstring>
 #include <filesystem>
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 Expected<SocketPlace> SocketPlace::at(const std::string& path) {
   const std::filesystem::path file(path);
@@ -46,4 +46,4 @@ Descriptor SocketPlace::connect() const {
   return socket;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

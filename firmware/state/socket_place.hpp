@@ -7,7 +7,7 @@
 #include "firmware/io/descriptor.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 /// Where the daemon serves the printer's state, unless the board file or the command line names another place.
 inline constexpr const char* kStateSocket = "/run/plumbline/state";
@@ -37,4 +37,4 @@ class SocketPlace {
   Descriptor folder_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 bool StateClient::has_gone(const Descriptor& socket) {
   pollfd file{.fd = socket.get(), .events = 0, .revents = 0};
@@ -117,4 +117,4 @@ void StateClient::take_line() {
   line_size_ = 0;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

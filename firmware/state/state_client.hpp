@@ -14,7 +14,7 @@
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/state_line.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 class StateClient {
  public:
@@ -68,4 +68,4 @@ class StateClient {
   std::array<char, kLongestLine> out_{};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

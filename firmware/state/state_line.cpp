@@ -8,7 +8,7 @@
 #include "firmware/state/command_rules.hpp"
 #include "firmware/state/picture_line.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 namespace {
 
 /// `value`, or none where `there` is false.
@@ -387,4 +387,4 @@ Status write_data_line(TextSink& out, std::optional<std::uint64_t> id, std::stri
   return out.write("\"}\n");
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

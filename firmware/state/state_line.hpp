@@ -5,14 +5,12 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware/io/text/text_sink.hpp"
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
-
-class JsonWriter;
+namespace plumbline::firmware::inline state {
 
 /// Rises when a client of before would misread what is sent now. New members don't raise it.
 inline constexpr std::uint32_t kStateProtocol = 1;
@@ -42,4 +40,4 @@ void write_told(JsonWriter& json, const Told& told);
 [[nodiscard]] Status write_data_line(TextSink& out, std::optional<std::uint64_t> id, std::string_view members,
                                      std::string_view name, std::string_view base64);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

@@ -12,7 +12,7 @@
 #include "firmware/state/socket_place.hpp"
 #include "hal/process/passed_descriptor.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 Expected<StateLink> StateLink::open(const std::string& path, bool commands) {
   StateLink link;
@@ -78,4 +78,4 @@ Status StateLink::send(const std::string& line, int file) {
   return fail(ErrorCode::kCannotWrite, "%s: %s", path_.c_str(), std::strerror(errno));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

@@ -9,7 +9,7 @@
 #include "firmware/io/descriptor.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 class StateLink {
  public:
@@ -44,4 +44,4 @@ class StateLink {
   std::string received_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

@@ -13,7 +13,7 @@
 #include "firmware/state/command_rules.hpp"
 #include "firmware/state/socket_place.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 namespace {
 
 /// Connections that wait to be let in, and those let in each turn.
@@ -243,4 +243,4 @@ Status StateSocket::write_part(std::optional<std::uint64_t> id, std::uint64_t fr
   return write_data_line(reply_, id, members.view(), "data", {base64.data(), characters.value_or(0)});
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

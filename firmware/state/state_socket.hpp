@@ -23,7 +23,7 @@
 #include "hal/events.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline state {
 
 /// Carries commands out.
 class CommandTaker {
@@ -126,4 +126,4 @@ class StateSocket {
   HostClock::time_point served_at_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline state

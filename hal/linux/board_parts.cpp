@@ -7,7 +7,7 @@
 
 #include "hal/linux/gpio/gpio_line.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 namespace fs = std::filesystem;
@@ -165,4 +165,4 @@ std::vector<BoardPart> list_board_parts(const std::string& sysfs, const std::str
   return Listing(sysfs, dev).list();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

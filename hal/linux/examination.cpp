@@ -14,7 +14,7 @@
 #include "hal/linux/gpio/gpio_line.hpp"
 #include "hal/linux/machine.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 using Verdict = MachineFinding::Verdict;
@@ -263,4 +263,4 @@ class Examination {
 
 std::vector<MachineFinding> examine_board(const LinuxSettings& settings) { return Examination(settings).run(); }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

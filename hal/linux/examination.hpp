@@ -6,9 +6,9 @@
 #include "hal/linux/settings.hpp"
 #include "hal/machine_finding.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Findings in the order in which to fix them. A device that a running plumbline holds is good.
 std::vector<MachineFinding> examine_board(const LinuxSettings& settings);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

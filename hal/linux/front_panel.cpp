@@ -7,7 +7,7 @@
 #include "hal/linux/events/clock.hpp"
 #include "hal/linux/gpio/edges.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 Button::Button(InputLine line, EventKind kind, EventQueue& events)
     : line_(std::move(line)), kind_(kind), events_(events), contact_(line_.on().value_or(false)) {}
@@ -73,4 +73,4 @@ void LinuxFrontPanel::drain(std::chrono::nanoseconds now) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

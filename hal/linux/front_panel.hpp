@@ -9,7 +9,7 @@
 #include "hal/linux/gpio/gpio_line.hpp"
 #include "hal/linux/lamp/lamp_watch.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// A button. Each press causes one event, at the first contact.
 class Button final : public EventSource {
@@ -57,4 +57,4 @@ class LinuxFrontPanel final : public FrontPanel, public EventSource {
   bool blink_on_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -5,7 +5,7 @@
 #include "hal/linux/keeper/gpio_keeper_lines.hpp"
 #include "hal/process/process_memory.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 Expected<BoardLines> BoardLines::find(const Wiring& wiring) {
   BoardLines found;
@@ -176,4 +176,4 @@ Machine LinuxMachine::machine() {
           .screen = screen_.get()};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

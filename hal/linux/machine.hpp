@@ -18,7 +18,7 @@
 #include "hal/linux/thermals/thermals.hpp"
 #include "hal/machine.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// The places of a wiring's lines, which must outlive it.
 class BoardLines {
@@ -86,4 +86,4 @@ class LinuxMachine {
   bool memory_locked_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -9,7 +9,7 @@
 #include "hal/uv_lamp.hpp"
 #include "hal/wiring.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 struct LinuxSettings {
   PanelLayout panel;
@@ -23,4 +23,4 @@ struct LinuxSettings {
   std::string mount_socket = kMountSocket;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 namespace {
 
 /// Room for descriptors beside a message.
@@ -69,4 +69,4 @@ void ReceivedMessage::close_descriptors() const {
   for (const int descriptor : descriptors()) ::close(descriptor);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 inline constexpr std::size_t kMostPassed = 32;  ///< descriptors in a message
 
@@ -29,4 +29,4 @@ struct ReceivedMessage {
 /// @returns nothing: errno has the reason
 [[nodiscard]] std::optional<ReceivedMessage> receive_message(int socket, std::span<std::byte> buffer);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <limits>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 bool lock_memory(Untouched untouched) {
   return ::mlockall(MCL_CURRENT | MCL_FUTURE | (untouched == Untouched::kLeave ? MCL_ONFAULT : 0)) == 0;
@@ -23,4 +23,4 @@ void reserve_heap() {
   std::free(reserve);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -1,7 +1,7 @@
 #pragma once
 /// Keeps the memory of a process: what it has stays in RAM, and it asks the kernel for no more.
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// What lock_memory() does about pages that were never touched.
 enum class Untouched : bool {
@@ -17,4 +17,4 @@ bool lock_memory(Untouched untouched);
 /// threads share one heap, and none of it is returned. Call it before starting threads.
 void reserve_heap();
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <cstdio>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 namespace {
 
 constexpr const char* kUnfinished = "unfinished";
@@ -71,4 +71,4 @@ int copy_report(int top, std::string_view name, int file, std::uint64_t from, st
   return reason;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

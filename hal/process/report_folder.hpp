@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::inline hal {
 
 /// A stick with this folder gets the reports of the last prints.
 inline constexpr const char* kReportFolder = "plumbline-reports";
@@ -21,4 +21,4 @@ bool is_report_name(std::string_view name);
 /// @returns errno: EEXIST if there is a file of that name, ENOENT if the stick has no such folder, ENOSPC if it is full
 int copy_report(int top, std::string_view name, int file, std::uint64_t from, std::uint64_t bytes);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal

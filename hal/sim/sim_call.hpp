@@ -2,7 +2,7 @@
 
 #include "hal/sim/plant/plant.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// First object in each call of a simulated device. The time since the last call counts as the firmware's computing.
 class SimCall {
@@ -16,4 +16,4 @@ class SimCall {
   Timeline& timeline_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -2,7 +2,7 @@
 
 #include "hal/sim/sim_call.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 TimePoint SimClock::do_now() const {
   const SimCall call(plant_);
@@ -92,4 +92,4 @@ Machine SimMachine::machine() {
           .thermals = thermals_};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -10,7 +10,7 @@
 #include "hal/sim/sim_uv_lamp.hpp"
 #include "hal/sim/sim_z_stage.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 class SimClock final : public Clock {
  public:
@@ -88,4 +88,4 @@ class SimMachine {
   SimThermals thermals_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -4,7 +4,7 @@
 
 #include "hal/sim/sim_call.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 SimMaskDisplay::SimMaskDisplay(Plant& plant, Interlock& interlock)
     : MaskDisplay(plant.settings().built_otherwise ? plant.settings().built_otherwise->believed.columns
@@ -73,4 +73,4 @@ Status SimMaskDisplay::show(bool black) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -5,7 +5,7 @@
 #include "hal/mask_display.hpp"
 #include "hal/sim/plant/plant.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// The plant's panel.
 class SimMaskDisplay final : public MaskDisplay {
@@ -25,4 +25,4 @@ class SimMaskDisplay final : public MaskDisplay {
   std::vector<std::uint64_t> lent_;  ///< only for a panel that is built otherwise
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

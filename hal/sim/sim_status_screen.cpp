@@ -1,6 +1,6 @@
 #include "hal/sim/sim_status_screen.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 Status SimStatusScreen::do_present(std::span<const std::uint16_t> pixels) {
   pixels_.assign(pixels.begin(), pixels.end());
@@ -15,4 +15,4 @@ std::optional<ScreenTouch> SimStatusScreen::do_next_touch() {
   return touch;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -7,7 +7,7 @@
 
 #include "hal/status_screen.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// Gets what the screen shows.
 class ScreenWatcher {
@@ -37,4 +37,4 @@ class SimStatusScreen final : public StatusScreen {
   std::deque<ScreenTouch> touches_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

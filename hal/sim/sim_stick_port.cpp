@@ -10,7 +10,7 @@
 #include "hal/process/report_folder.hpp"
 #include "hal/sim/sim_call.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 tl::unexpected<Error> none() { return fail(ErrorCode::kNoStick, "no stick:\tplug one in"); }
@@ -88,4 +88,4 @@ Expected<std::size_t> SimStickPort::do_read(int file, std::span<std::byte> buffe
   return static_cast<std::size_t>(got);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -3,7 +3,7 @@
 #include "hal/sim/plant/plant.hpp"
 #include "hal/stick_port.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// A folder that plays a stick. If its path is "stick", folders "stick.2", "stick.3", ... beside it play further partitions.
 class SimStickPort final : public StickPort {
@@ -24,4 +24,4 @@ class SimStickPort final : public StickPort {
   std::uint32_t mounted_stick_ = 0;  ///< Plant::sticks_plugged() when it was mounted
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -2,7 +2,7 @@
 
 #include "hal/sim/sim_call.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 SimUvLamp::SimUvLamp(Plant& plant, Interlock& interlock, Clock& clock)
     : UvLamp(plant.settings().lamp, interlock, clock), plant_(plant) {}
@@ -90,4 +90,4 @@ Expected<ExposureReport> SimUvLamp::do_report() {
   return report_;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -3,7 +3,7 @@
 #include "hal/sim/plant/plant.hpp"
 #include "hal/uv_lamp.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// The plant's lamp, with the keeper that is a separate process on a board. The keeper ends every exposure, watches the cover, and
 /// cuts the lamp's supply if there is light while the line is off.
@@ -37,4 +37,4 @@ class SimUvLamp final : public UvLamp {
   Timeline::Due watch_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -5,7 +5,7 @@
 
 #include "hal/sim/sim_call.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 // As on a board: hal/linux/stage/z_stage.cpp.
@@ -196,4 +196,4 @@ Expected<MotionReport> SimZStage::do_finish() {
   return report_;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -5,7 +5,7 @@
 #include "hal/sim/plant/plant.hpp"
 #include "hal/z_stage.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// The plant's stage. Counts steps and homes at its end stop.
 class SimZStage final : public ZStage {
@@ -53,4 +53,4 @@ class SimZStage final : public ZStage {
   std::optional<Error> problem_;  ///< of the last motion
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

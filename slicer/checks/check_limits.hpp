@@ -7,7 +7,7 @@
 #include "slicer/core/resin/peel_force.hpp"
 #include "slicer/placement/placement.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Defaults are UVtools' as far as it has the check. They are pixels where UVtools counts pixels, whatever the pitch. UVtools has
 /// two sets of them: those of its library and command line (IslandDetectionConfiguration and its like), and those of its window
@@ -51,4 +51,4 @@ struct CheckLimits {
   PeelSettings peel;  ///< what tears: see there
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

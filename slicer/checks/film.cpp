@@ -1,6 +1,6 @@
 #include "slicer/checks/film.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 Expected<Film> Film::create(const PrintGrid& grid, Arena& arena) {
   Film film;
@@ -30,4 +30,4 @@ bool Film::touches_part(std::uint32_t row, const LayerRegions::Run& run) const {
 
 void Film::keep(ConstBitImage mask) { shade(mask, stayed_); }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -11,7 +11,7 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/regions/layer_regions.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The pixels on which something lies, and those of the newest layer that stayed on the part. Nobody cleans the film until the print
 /// ends, as in hal/sim.
@@ -52,4 +52,4 @@ void Film::lay_down(const LayerRegions& lit, Falls falls) {
   });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

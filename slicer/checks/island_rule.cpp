@@ -7,7 +7,7 @@
 #include "slicer/core/bit_spans.hpp"
 #include "slicer/supports/drawing/disc.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Calls visit(row, begin, end, tip) for each stretch of columns of a region that lies above a white region, `tip`.
@@ -83,4 +83,4 @@ bool IslandRule::rests_on_tips(std::uint32_t region, std::uint32_t shared, Layer
   return several && !any_far;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

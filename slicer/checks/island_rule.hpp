@@ -13,7 +13,7 @@
 #include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/supports/near.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 class IslandRule {
  public:
@@ -45,4 +45,4 @@ class IslandRule {
   Disc reach_;  ///< kIslandTipsReach_mm
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

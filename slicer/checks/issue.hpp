@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 enum class IssueKind : std::uint8_t {
   kIsland,          ///< region of a layer with little or nothing below it
@@ -84,4 +84,4 @@ struct Issue {
   bool operator==(const Issue&) const = default;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// The layer height is a float, so heights may be off by this share.
@@ -123,4 +123,4 @@ void LayerMeasures::finish(StackFindings& findings) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

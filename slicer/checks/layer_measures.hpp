@@ -10,7 +10,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// What a layer's mask has.
 struct SeenLayer {
@@ -43,4 +43,4 @@ class LayerMeasures {
 /// White pixels of a row in columns [begin, end).
 std::uint64_t count_in(std::span<const std::uint64_t> line, std::uint32_t begin, std::uint32_t end);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Calls visit(begin, end) for each run of white pixels of a row, columns [begin, end).
@@ -64,4 +64,4 @@ std::uint64_t erode_fresh(ConstBitImage fresh, const RegionBox& box, std::uint32
   return left;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Half-open box of pixels.
 struct RegionBox {
@@ -23,4 +23,4 @@ struct RegionBox {
 /// @returns number of pixels that are left
 std::uint64_t erode_fresh(ConstBitImage fresh, const RegionBox& box, std::uint32_t reach, BitImage out);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

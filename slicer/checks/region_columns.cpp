@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 void RegionColumn::add(const RegionColumn& other) {
   first_layer = std::min(first_layer, other.first_layer);
@@ -47,4 +47,4 @@ void RegionColumns::clear() {
   begin_layer();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

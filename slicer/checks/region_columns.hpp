@@ -8,7 +8,7 @@
 #include "slicer/core/disjoint_sets.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A set of regions of consecutive layers, and what is known of it so far.
 struct RegionColumn {
@@ -100,4 +100,4 @@ class RegionColumns {
   std::uint32_t kept_ = 1;   ///< of next_
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "checks";
@@ -366,4 +366,4 @@ void RegionTracker::finish(StackFindings& findings) {
   air_.end_layer([&](const RegionColumn& column) { add_cup(column, findings); });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -19,7 +19,7 @@
 #include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/core/regions/region_contacts.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The widest run of each region of a layer, and the regions but the outside in the order of their first runs.
 /// @param widest  as many as the regions have runs; overwritten
@@ -120,4 +120,4 @@ class RegionTracker {
   TearFinder tears_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "checks";
@@ -145,4 +145,4 @@ const StackFindings& StackChecker::finish() {
   return findings_;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

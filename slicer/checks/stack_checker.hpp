@@ -17,7 +17,7 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/regions/layer_regions.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Takes the masks of a stack one after the other, and holds no more than two of them. README.md says what each check looks
 /// for.
@@ -60,4 +60,4 @@ class StackChecker {
   std::span<std::uint32_t> widest_;  ///< by region of overhangs_: its widest run
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/checks/issue.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// All issues of a kind are counted, the largest are kept.
 struct IssueGroup {
@@ -93,4 +93,4 @@ struct IssueScale {
   double z_mm(std::uint32_t layer) const { return layer * layer_height_mm; }  ///< its underside
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

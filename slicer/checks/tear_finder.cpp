@@ -6,7 +6,7 @@
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/disjoint_sets.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "checks";
@@ -202,4 +202,4 @@ bool TearFinder::hang_up(const LayerRegions& stayed, double plate_n_mm2) {
   return true;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -16,7 +16,7 @@
 #include "slicer/core/regions/region_shapes.hpp"
 #include "slicer/core/resin/peel_force.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Takes the regions that stay of each layer: those that have not fallen. The rules are those of PeelSettings.
 class TearFinder {
@@ -86,4 +86,4 @@ class TearFinder {
   HoldNetwork network_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// ml; 0: all of the kind matter.
@@ -60,4 +60,4 @@ void find_what_matters(StackFindings& findings, const PrintGrid& grid, const Add
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The least that matters, whatever the pixels are.
 struct MatteringFloors {
@@ -30,4 +30,4 @@ struct AddedSupports {
 /// @param grid  of the masks
 void find_what_matters(StackFindings& findings, const PrintGrid& grid, const AddedSupports& added);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

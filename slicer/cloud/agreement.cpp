@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kFacing = 5;       ///< nearest points that face a point's way
@@ -52,4 +52,4 @@ Opposed opposed(const Cloud& cloud, const KdTree3& tree, std::uint32_t i) {
   return 2 * behind > count ? Opposed::kBehind : Opposed::kNowhere;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Height of point i over another, the mean of that over the other's tangent plane and of the other's depth below its own, in the unit of
 /// the cloud. On a curved surface the two halves cancel; for a point off the surface they add up.
@@ -31,4 +31,4 @@ enum class Opposed : std::uint8_t {
 };
 Opposed opposed(const Cloud& cloud, const KdTree3& tree, std::uint32_t i);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 
 #include "slicer/cloud/point_groups.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 void PackedNormal::set(const Vec3f& n) {
   const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
@@ -147,4 +147,4 @@ void Cloud::reorder(std::span<std::uint32_t> order) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

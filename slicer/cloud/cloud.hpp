@@ -10,7 +10,7 @@
 #include "slicer/core/function_ref.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Least inner product of the normals of points that face one way: within 60 degrees. They face opposite ways below -kOneWay.
 inline constexpr float kOneWay = 0.5F;
@@ -144,4 +144,4 @@ struct Cloud {
   void reorder(std::span<std::uint32_t> order);
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

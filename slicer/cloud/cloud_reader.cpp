@@ -10,7 +10,7 @@
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/reader/view_poses.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "read";
@@ -199,4 +199,4 @@ Expected<CloudReading> read_cloud(ScanSources sources, const CloudReadSettings& 
   return reading;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

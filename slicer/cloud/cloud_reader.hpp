@@ -10,7 +10,7 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct CloudReadSettings {
   Mat3d rotation = Mat3d::Identity();  ///< from scan axes to print axes
@@ -54,4 +54,4 @@ std::optional<std::uint64_t> most_points(const ScanHeader& header, std::optional
 [[nodiscard]] Expected<CloudReading> read_cloud(ScanSources sources, const CloudReadSettings& settings,
                                                 RoomForPoints room, Arena& arena, ProgressSink* progress);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

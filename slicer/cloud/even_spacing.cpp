@@ -9,7 +9,7 @@
 #include "slicer/cloud/tangent_plane.hpp"
 #include "slicer/core/numbers/median.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Nearest points of the narrowest neighbourhood: those of the tangent planes.
@@ -105,4 +105,4 @@ std::uint32_t even_out_lines(Cloud& cloud, const KdTree3& tree) {
   return averaged;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Averages points along the lines of a turntable, a laser or sections, where the nearest points of a point lie in its own line. All that
 /// follows takes a number of nearest points for a neighbourhood, and of one line these show no surface.
@@ -18,4 +18,4 @@ namespace plumbline {
 /// @returns points that have been averaged into others; unless it is 0 the tree is that of another cloud. The same for any number of threads
 std::uint32_t even_out_lines(Cloud& cloud, const KdTree3& tree);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kSamples = 400;  ///< the quartile moves by 0.02 from sample to sample
@@ -76,4 +76,4 @@ PointSpread point_spread(const Cloud& cloud, const KdTree3& tree) {
   return {roundness[used * 3 / 4], inner_roundness[used * 3 / 4], growth[used / 2]};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// What a sample of the points has around it, in balls of 2 r and 4 r where r is the distance of the 16th neighbour.
 struct PointSpread {
@@ -23,4 +23,4 @@ struct PointSpread {
 /// @param cloud  in the order of `tree`
 PointSpread point_spread(const Cloud& cloud, const KdTree3& tree);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

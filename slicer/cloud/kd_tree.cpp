@@ -15,7 +15,7 @@
 
 #include "slicer/core/numbers/mib.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Gives nanoflann the arena's room while a tree is built: first for the indices, then for one node after another. Threads share it.
@@ -79,7 +79,7 @@ struct PointIndex {
 static_assert(sizeof(PointIndex) == sizeof(std::uint32_t));
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer
 
 /// nanoflann keeps the indices in a std::vector. It releases nothing: the arena's stack takes all of a tree back.
 template <>
@@ -104,7 +104,7 @@ class std::allocator<plumbline::PointIndex> {
 #include <nanoflann.hpp>
 #pragma GCC diagnostic pop
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 struct PointSet {
@@ -183,7 +183,7 @@ class WithinSet {
 };
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer
 
 // Nodes come from the arena: the pool itself would take blocks from malloc().
 template <>
@@ -195,7 +195,7 @@ plumbline::Node<3>* nanoflann::PooledAllocator::allocate<plumbline::Node<3>>(std
   return static_cast<plumbline::Node<3>*>(plumbline::TreeRoom::current->node(sizeof(plumbline::Node<3>)));
 }
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Builds a tree with several threads: nanoflann divides the points into a few large leaves, and then each thread has it divide one of
@@ -396,4 +396,4 @@ void KdTree<Dimension>::visit_box(const Vec3f& low, const Vec3f& high,
 template class KdTree<2>;
 template class KdTree<3>;
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

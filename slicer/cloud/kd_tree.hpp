@@ -12,7 +12,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct Neighbour {
   std::uint32_t index = 0;
@@ -72,4 +72,4 @@ class KdTree {
 using KdTree2 = KdTree<2>;
 using KdTree3 = KdTree<3>;
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

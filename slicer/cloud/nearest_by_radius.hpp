@@ -8,7 +8,7 @@
 
 #include "slicer/cloud/kd_tree.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Room for nearest_by_radius(), for up to half as many points.
 using NearestRoom = std::array<Neighbour, 512>;
@@ -45,4 +45,4 @@ std::span<const Neighbour> nearest_by_radius(const KdTree3& tree, const Vec3f& q
   return found.first(tree.nearest(query, found.first(wanted), accept));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/numbers/lanes.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Points of a block. Larger blocks save searches, but compare each point with more candidates that are out of its reach.
 inline constexpr std::uint32_t kSharedSearch = 32;
@@ -110,4 +110,4 @@ void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, std::uint32_t fi
   for_neighbourhood(cloud, tree, box, reach, use);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

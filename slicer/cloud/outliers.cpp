@@ -10,7 +10,7 @@
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/numbers/median.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kNear = 8;       ///< nearest points that measure a density
@@ -167,4 +167,4 @@ Expected<std::uint32_t> drop_outliers(Cloud& cloud, const KdTree3& tree, Arena& 
   return count;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

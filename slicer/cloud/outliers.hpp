@@ -8,7 +8,7 @@
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Arena bytes that drop_outliers() takes.
 std::size_t outliers_bytes(std::uint32_t points);
@@ -28,4 +28,4 @@ std::size_t outliers_bytes(std::uint32_t points);
 [[nodiscard]] Expected<std::uint32_t> drop_outliers(Cloud& cloud, const KdTree3& tree, Arena& arena,
                                                     const StageProgress& progress = {});
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Halves points across the longest side of their bounding box, and each half again, until a part is a group. Reorders the points.
 /// @param position  position(point): its Vec3f
@@ -29,4 +29,4 @@ void for_each_group(std::span<Point> points, Position position, IsGroup is_group
   for_each_group(points.subspan(half), position, is_group, use);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

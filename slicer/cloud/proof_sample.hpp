@@ -8,7 +8,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Points that are asked. Their shares are then right to .5 %.
 inline constexpr std::uint32_t kMostProofPoints = 10'000;
@@ -23,4 +23,4 @@ constexpr std::size_t proof_bytes(std::uint32_t cloud_points) {
   return Arena::rounded(proof_points(cloud_points) * sizeof(Vec3f));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// A neighbourhood suffices if its radius is at least this many residuals. A right edge has 5.3, a ball of points 2.2.
@@ -87,4 +87,4 @@ std::optional<Vec3f> TangentPlanes::normal() {
   return best.normal.cast<float>();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Principal axes of points.
 struct PrincipalAxes {
@@ -55,4 +55,4 @@ class TangentPlanes {
   std::array<Neighbour, kPoints.back()> found_;  // NOLINT(cppcoreguidelines-pro-type-member-init)
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/core/numbers/mix64.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// The scan's normals face either side at random if at least one in kOften averaged points faces the opposite side of its cell,
@@ -241,4 +241,4 @@ Status PointThinner::take(std::span<const ScanPoint> points) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

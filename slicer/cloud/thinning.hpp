@@ -9,7 +9,7 @@
 #include "slicer/reader/records/scan_pose.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Averages the points in each cell of a cubic grid while they stream in. When the cloud is full, cells double in size, in
 /// place, until at most kRefill of the capacity is used. The result depends only on the points and their order.
@@ -93,4 +93,4 @@ class PointThinner {
   std::uint64_t opposite_ = 0;  ///< of these, with a normal that faces the opposite side of its cell's
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

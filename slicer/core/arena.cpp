@@ -4,7 +4,7 @@
 
 #include "slicer/core/numbers/mib.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 Arena::Arena(std::span<std::byte> block, std::uint64_t refused) : refused_(refused) {
   const auto address = reinterpret_cast<std::uintptr_t>(block.data());
@@ -44,4 +44,4 @@ void Arena::trim_bottom(const void* block, std::size_t used) {
   bottom_ = std::min(bottom_, offset + rounded(used));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

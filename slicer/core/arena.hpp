@@ -14,7 +14,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 class Arena {
  public:
@@ -122,4 +122,4 @@ class BottomScope {
   std::size_t mark_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Bit 63 to 0: a word of an image has its first pixel in the low bit, PNG in the high one.
 constexpr std::uint64_t reversed_bits(std::uint64_t word) {
@@ -87,4 +87,4 @@ class BasicBitImage {
 using BitImage = BasicBitImage<std::uint64_t>;
 using ConstBitImage = BasicBitImage<const std::uint64_t>;
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

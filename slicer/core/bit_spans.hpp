@@ -5,7 +5,7 @@
 
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Calls visit(word, bits) for the words of a row that hold columns [begin, end), begin < end.
 template <class Visit>
@@ -26,4 +26,4 @@ inline void fill(BitImage image, std::uint32_t row, std::uint32_t begin, std::ui
   for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) { white ? line[w] |= bits : line[w] &= ~bits; });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A stream of bytes, read from start to end: once for a scan, two or three times for a mesh.
 class ByteSource {
@@ -33,4 +33,4 @@ class ByteSource {
   [[nodiscard]] virtual Status rewind() { return fail(ErrorCode::kUnsupported, "can be read only once"); }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

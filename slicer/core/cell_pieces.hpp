@@ -8,7 +8,7 @@
 #include "slicer/core/disjoint_sets.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Sorts points into cubic cells. Cells that touch at faces, edges or corners form a piece, which a slot of the table stands for.
 class CellPieces {
@@ -68,4 +68,4 @@ class CellPieces {
   std::uint32_t occupied_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -12,7 +12,7 @@
 #include "slicer/core/numbers/mix64.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Numbers the cubic cells of a box.
 class CellGrid {
@@ -90,4 +90,4 @@ class CellTable {
   std::span<Slot> slots_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Disjoint sets of the indices of `entries`, each of which keeps its parent's index. The root of a set is its lowest
 /// index, whatever the order of the unions. The entries are the caller's; this class is only a view of them.
@@ -61,4 +61,4 @@ class DisjointSets {
   std::span<Entry> entries_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 std::string_view to_string(ErrorCode code) {
   switch (code) {
@@ -166,4 +166,4 @@ std::string_view Error::finding() const {
   return text;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 
 #include "slicer/core/words/told.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Kinds of errors. The numbers are stable: scripts and logs may rely on them.
 enum class ErrorCode : std::uint16_t {
@@ -114,7 +114,7 @@ using Status = tl::expected<void, Error>;
 /// An error that also has what its message says as a code: return telling(Told(ToldCode::kFileEmpty), fail(...)).
 [[nodiscard]] tl::unexpected<Error> telling(const Told& told, tl::unexpected<Error> error);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer
 
 /// Returns from the enclosing function with the error of a Status or an Expected, if it has one.
 #define PLUMBLINE_TRY(expression)                                                                       \

@@ -3,7 +3,7 @@
 #include <memory>
 #include <type_traits>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A reference to a callable object. Copies and allocates nothing.
 template <class Signature>
@@ -25,4 +25,4 @@ class FunctionRef<Result(Args...)> {
   Result (*call_)(void*, Args...);
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

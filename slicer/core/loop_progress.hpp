@@ -9,7 +9,7 @@
 
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Reports the progress of a parallel loop from one of its threads, and stops all of them when the caller cancels.
 class LoopProgress {
@@ -52,4 +52,4 @@ bool for_blocks(std::uint32_t size, std::uint32_t block, const StageProgress& pr
   return !loop.stopped();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

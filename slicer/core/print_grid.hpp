@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Print coordinates, mm: x along a row, y from row to row, z up. The origin is the outer corner of pixel (0, 0) on the
 /// underside of layer 0. Pixel (i, j) is sampled at its centre ((i + 1/2) pitch_x, (j + 1/2) pitch_y), layer k at height
@@ -28,4 +28,4 @@ struct PrintGrid {
 inline constexpr std::uint32_t kTileSide = 8;
 inline constexpr std::uint32_t kRaysPerTile = kTileSide * kTileSide;
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -1,6 +1,6 @@
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 std::string_view to_string(Stage stage) {
   switch (stage) {
@@ -19,4 +19,4 @@ std::string_view to_string(Stage stage) {
   return "unknown";
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

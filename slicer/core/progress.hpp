@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The stages of the slicer, in the order in which they run.
 enum class Stage : std::uint8_t {
@@ -60,4 +60,4 @@ struct StageProgress {
   }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Bytes of the arena, by Stage.
 struct StageMemory {
@@ -47,4 +47,4 @@ class StageScope {
   StageContext context_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

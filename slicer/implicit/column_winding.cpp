@@ -5,7 +5,7 @@
 
 #include "slicer/core/numbers/lanes.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Of what fills up the last lanes: not 0, by which the lean divides.
@@ -180,4 +180,4 @@ float ColumnWinding::surface_between(float x, float y, float from, float to, boo
   return 0.5F * (from + to);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

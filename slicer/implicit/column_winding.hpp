@@ -10,7 +10,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/implicit/winding_number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Columns of dipoles, padded to a multiple of kLanes with dipoles that add nothing.
 struct DipoleList {
@@ -83,4 +83,4 @@ class ColumnWinding {
   float cell_height_ = 1;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Adds <dipole, e> / |e|^3 and its gradient in x, with e = p - x and distance2 = |e|^2.
@@ -45,4 +45,4 @@ DipoleField::Value DipoleField::operator()(const Vec3f& x, Sign sign, float shar
   return value;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/core/function_ref.hpp"
 #include "slicer/implicit/dipole_tree.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Like WindingTree, but with larger leaves: it is evaluated rarely and must be small.
 class DipoleField {
@@ -40,4 +40,4 @@ class DipoleField {
   Tree tree_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

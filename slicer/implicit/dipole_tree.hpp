@@ -9,7 +9,7 @@
 
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 inline constexpr float kRoughShare = 0.39F;  ///< of DipoleTree::walk(): nodes are opened up to 1.25 radii
 
@@ -133,4 +133,4 @@ class DipoleTree {
   std::span<DipoleNode> nodes_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

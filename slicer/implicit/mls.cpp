@@ -6,7 +6,7 @@
 
 #include "slicer/core/numbers/lanes.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr float kAgree = 0.997F;  ///< |sum w n| / sum w above which normals agree: about 4 degrees from their mean
@@ -190,4 +190,4 @@ float off_centre(const RayPoints& points, RayWindow window, float depth) {
   return all.weight > 0 ? std::sqrt(all.off_centre2(points.reach)) : 0;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

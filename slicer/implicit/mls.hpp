@@ -7,7 +7,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The points within whose support radius a ray at (x, y) passes, as columns sorted by depth. No other point has weight
 /// anywhere on the ray, so one search in the plane serves the whole ray.
@@ -114,4 +114,4 @@ MlsValue mls_value(const RayPoints& points, RayWindow window, float depth);
 /// |sum_i w_i (x - p_i)| / (reach sum_i w_i): 0 in the middle of the points, 1 beyond all of them; 0 where there is no weight.
 float off_centre(const RayPoints& points, RayWindow window, float depth);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -1,6 +1,6 @@
 #include "slicer/implicit/winding_number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kBaseSamples = 48;  ///< samples a side, over the base plane
@@ -79,4 +79,4 @@ bool WindingTree::inside(const Vec3f& x, float winding) const {
   return lean.inside(winding);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -11,7 +11,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/implicit/dipole_tree.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Numerator and denominator of c in WindingTree::inside(), divided by 4 pi.
 struct WindingLean {
@@ -146,4 +146,4 @@ class WindingTree {
   bool has_base_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

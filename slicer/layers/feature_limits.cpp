@@ -6,7 +6,7 @@
 
 #include "slicer/surface/clustering.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr float kSmallComponent = 50;  ///< epsilon^3; a single outlier makes a component of about 6
@@ -51,4 +51,4 @@ FeatureLimits feature_limits(float support_points, PrintLength epsilon, PrintLen
   return limits;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

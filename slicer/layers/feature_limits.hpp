@@ -6,7 +6,7 @@
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/rrep/components.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Points within a support radius, relative to a scan without noise. 1 if the scan has little noise.
 /// @param support_points  Cloud::support_points
@@ -29,4 +29,4 @@ ComponentLimits component_limits(PrintLength epsilon, const PrintGrid& grid);
 /// @param noise           ClusteringResult::noise on the print
 FeatureLimits feature_limits(float support_points, PrintLength epsilon, PrintLength noise, const PrintGrid& grid);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

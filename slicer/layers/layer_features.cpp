@@ -8,7 +8,7 @@
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/layers/rrep_edit.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "layer features";
@@ -297,4 +297,4 @@ Expected<FeatureCounts> drop_small_features(RRep& rrep, const FeatureLimits& lim
   return sweep->edit(rrep, arena);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

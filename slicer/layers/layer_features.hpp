@@ -9,7 +9,7 @@
 #include "slicer/layers/layer_totals.hpp"
 #include "slicer/rrep/rrep.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct FeatureLimits {
   std::uint32_t pixels = 0;         ///< in one layer: a region with more is not small
@@ -61,4 +61,4 @@ std::size_t layer_features_bytes(const PrintGrid& grid);
 /// @retval ErrorCode::kOutOfMemory  the edited crossings do not fit; some of the features may be gone
 [[nodiscard]] Expected<FeatureCounts> drop_small_features(RRep& rrep, const FeatureLimits& limits, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 
 #include "slicer/layers/morphology.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 std::uint32_t strips_of(std::uint32_t columns) { return (columns + kStripColumns - 1) / kStripColumns; }
@@ -118,4 +118,4 @@ ConstBitImage LayerStream::mask(std::uint32_t layer) {
   return mask_;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/layers/quotient.hpp"
 #include "slicer/rrep/rrep.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Makes the object's masks one after another, without supports (MaskStream adds those). Any layer may be asked for.
 class LayerStream {
@@ -55,4 +55,4 @@ class LayerStream {
   std::int64_t at_ = -1;  ///< layer of section_; -1: none yet
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

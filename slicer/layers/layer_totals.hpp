@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Layers at the ends of the object whose masks have no pixel. All are `below` if no mask has any.
 struct EmptyLayers {
@@ -28,4 +28,4 @@ struct LayerTotals {
   }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "bytes of a row are taken as eight columns each, in order");
@@ -111,4 +111,4 @@ void open_and_close_rows(ConstBitImage in, BitImage out, std::uint32_t strip, st
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A pixel of the result depends on pixels up to this many rows and columns away.
 inline constexpr std::uint32_t kOpenCloseReach = 2;
@@ -22,4 +22,4 @@ inline constexpr std::uint32_t kStripColumns = 32;
 /// @param out    same size, separate memory
 void open_and_close_rows(ConstBitImage in, BitImage out, std::uint32_t strip, std::uint32_t first, std::uint32_t last);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Divides by a number that is known late, in two multiplications (Robison 2005, rounding down).
 class Quotient {
@@ -21,4 +21,4 @@ class Quotient {
   std::uint64_t inverse_ = 0;  ///< 2^64 / divisor, rounded to a smaller number
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

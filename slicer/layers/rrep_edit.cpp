@@ -4,7 +4,7 @@
 
 #include "slicer/layers/layer_stream.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kLastLayers = 16;  ///< layers searched first, from the top; affects the cost only
@@ -126,4 +126,4 @@ Status raise_object(RRep& rrep, std::uint32_t layers, Arena& arena) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

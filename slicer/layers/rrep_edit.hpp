@@ -11,7 +11,7 @@
 #include "slicer/layers/layer_totals.hpp"
 #include "slicer/rrep/rrep.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A pixel changes its colour from `layer` upwards.
 struct RRepToggle {
@@ -44,4 +44,4 @@ struct RRepToggle {
 /// @retval ErrorCode::kOutOfMemory  rrep is unchanged
 [[nodiscard]] Status raise_object(RRep& rrep, std::uint32_t layers, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/core/numbers/mix64.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Sums a random number for each edge, with the sign of its direction. In a closed mesh with consistent faces every edge runs as
 /// often one way as the other, and the sum is 0. Then every ray enters as often as it exits. Any other mesh has the sum 0 with a
@@ -46,4 +46,4 @@ class EdgeSum {
   std::uint64_t sum_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/reader/triangles/triangle.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "mesh";
@@ -123,4 +123,4 @@ void sort_hits(std::span<PackedHit> hits, std::uint32_t tiles) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

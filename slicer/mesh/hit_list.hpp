@@ -8,7 +8,7 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/mesh/triangle_rays.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A hit in one word, so that sorting words sorts by tile, ray in the tile, and layer:
 ///
@@ -151,4 +151,4 @@ class HitList {
   bool drops_doubled_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -14,7 +14,7 @@
 #include "slicer/mesh/negative_cut.hpp"
 #include "slicer/mesh/open/open_rays.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "mesh";
@@ -258,4 +258,4 @@ Expected<CrossingStore> resolve_hits(const HitList& hits, const PrintGrid& grid,
   return store;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

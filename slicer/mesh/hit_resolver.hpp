@@ -10,7 +10,7 @@
 #include "slicer/mesh/mesh_ray.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Compares hits and winding number along one ray of each tile, and marks the tiles where the hits miss solid parts, and their
 /// neighbours: holes are above each other there, and a ray through both looks whole.
@@ -43,4 +43,4 @@ std::size_t resolve_bytes(std::uint32_t threads, const MeshField* field);
                                                    std::uint32_t threads, Arena& arena, const StageProgress& progress,
                                                    MeshCounts& counts);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

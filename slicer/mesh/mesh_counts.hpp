@@ -5,7 +5,7 @@
 
 #include "slicer/reader/triangles/triangle.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct MeshCounts {
   std::uint64_t faces = 0;          ///< of all files
@@ -28,4 +28,4 @@ struct MeshCounts {
   std::uint64_t crowded_rays = 0;   ///< that have more crossings than can be stored; the upper ones are left out
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/implicit/winding_number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "winding number";
@@ -137,4 +137,4 @@ Expected<Cloud> MeshDipoles::to_cloud(Arena& arena) const {
   return cloud;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

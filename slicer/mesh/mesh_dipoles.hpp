@@ -9,7 +9,7 @@
 #include "slicer/core/cell_table.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Cuts triangles into patches no longer than a cell, and adds up the patches of each cell. Far from a cell its sum acts as its
 /// patches do; the winding number is trusted about a cell away from the surface.
@@ -60,4 +60,4 @@ class MeshDipoles {
   std::uint32_t used_ = 0;  ///< cells
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/reader/formats/format_probe.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Whether a scan is read twice: an E57 says at its end where its points are, a 3MF where its
@@ -101,4 +101,4 @@ std::optional<std::uint64_t> MeshFiles::largest() const {
   return largest;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/reader/scan_sources.hpp"
 #include "slicer/reader/triangles/mesh_reader.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A job's files, which may be meshes or scans.
 class MeshFiles {
@@ -96,4 +96,4 @@ class MeshFiles {
   std::size_t copy_end_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// In steps of the lattice, from the origin of the print.
 struct LatticePoint {
@@ -80,4 +80,4 @@ class MeshLattice {
   Vec3d last_;   ///< steps to the far corner of the grid
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -14,7 +14,7 @@
 #include "slicer/mesh/open/rim_winding.hpp"
 #include "slicer/mesh/ray_solids.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The winding number of a mesh that is not closed.
 struct MeshField {
@@ -149,4 +149,4 @@ class MeshRay {
   int below_all_ = 0;  ///< the winding number below the mesh, by its hits
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/mesh/open/small_holes.hpp"
 #include "slicer/reader/scan_reader.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "mesh";
@@ -457,4 +457,4 @@ Expected<ReadDipoles> read_dipoles(MeshFiles& files, std::uint64_t most_vertices
   return ReadDipoles{*cloud, dipoles->cell()};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -17,7 +17,7 @@
 #include "slicer/mesh/shells.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 // Each reading takes its workspace from the bottom of the arena and gives it back, and fails with ErrorCode::kOutOfMemory, kCancelled
 // or the errors of read_mesh().
@@ -94,4 +94,4 @@ struct ReadDipoles {
                                                  const DipoleSurface& surface, Arena& arena,
                                                  const StageProgress& progress);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

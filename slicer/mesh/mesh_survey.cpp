@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Of the vertices. Exporters leave a few unused; the points of a scan beside a mesh are many.
@@ -41,4 +41,4 @@ void Surveyor::end_file(const MeshSummary& summary) {
   survey_.most_vertices = std::max(survey_.most_vertices, summary.most_vertices);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/reader/triangles/triangle.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Sums over all triangles, in rotated scan units.
 struct MeshSurvey {
@@ -38,4 +38,4 @@ class Surveyor {
   MeshSurvey survey_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 
 #include "slicer/reader/triangles/triangle.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// The bodies that a ray passes.
@@ -104,4 +104,4 @@ LatticePoint GridClipper::rounded(const Vec3d& p) const {
   return {round(0), round(1), round(2)};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/mesh/mesh_lattice.hpp"
 #include "slicer/mesh/ray_solids.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Cuts the negative volumes out of what is solid on a ray: a place stays solid if it is in a solid of an item that has none there. Where no
 /// hits but the winding number say that a place is solid, all items' negative volumes count.
@@ -57,4 +57,4 @@ class GridClipper {
   Vec3d last_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

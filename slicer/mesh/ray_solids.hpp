@@ -7,7 +7,7 @@
 
 #include "slicer/mesh/hit_list.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Crossings of a ray: at most as many as the store counts in a byte, and an even number.
 inline constexpr std::uint32_t kMostRayCrossings = 254;
@@ -76,4 +76,4 @@ class RayToggles {
   bool crowded_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <numeric>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "mesh";
@@ -308,4 +308,4 @@ void orient_shells(const HitList& hits, std::span<Shell> shells, std::span<std::
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

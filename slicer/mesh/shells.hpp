@@ -10,7 +10,7 @@
 #include "slicer/mesh/hit_list.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// One side of a triangle, as it runs along an edge.
 struct EdgeUse {
@@ -149,4 +149,4 @@ class TriangleSides {
 /// @param order   room for as many numbers as there are shells
 void orient_shells(const HitList& hits, std::span<Shell> shells, std::span<std::uint32_t> order);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A ray passes a triangle.
 struct RayHit {
@@ -149,4 +149,4 @@ void for_each_hit(const LatticeTriangle& corners, const PrintGrid& grid, Visit v
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

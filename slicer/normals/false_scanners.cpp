@@ -7,7 +7,7 @@
 
 #include "slicer/cloud/tangent_plane.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kAskedOfView = 64;  ///< points of each view, about
@@ -75,4 +75,4 @@ void forget_false_scanners(Cloud& cloud, const KdTree3& tree) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -11,7 +11,7 @@
 #include "slicer/normals/sheets.hpp"
 #include "slicer/normals/sided_sets.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 // A group is eight consecutive points in the order of the tree, which are neighbours in space. Only its first point searches
@@ -163,4 +163,4 @@ Expected<NormalCounts> turn_flipped_normals(Cloud& cloud, const KdTree3& tree, A
   return counts;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

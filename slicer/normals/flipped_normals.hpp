@@ -9,7 +9,7 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/normals/normal_counts.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Most bytes of arena that turn_flipped_normals() takes, not counting the rounding of blocks.
 std::size_t flipped_normals_bytes(std::uint32_t points);
@@ -37,4 +37,4 @@ std::size_t flipped_normals_bytes(std::uint32_t points);
 [[nodiscard]] Expected<NormalCounts> turn_flipped_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
                                                           const StageProgress& progress = {});
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct NormalCounts {
   std::uint32_t estimated =
@@ -13,4 +13,4 @@ struct NormalCounts {
   bool contradictory = false;  ///< they faced either side at random
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

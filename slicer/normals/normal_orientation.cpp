@@ -7,7 +7,7 @@
 #include "slicer/normals/sheets.hpp"
 #include "slicer/normals/sided_sets.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "normals";
@@ -139,4 +139,4 @@ Expected<std::uint32_t> orient_normals(Cloud& cloud, const KdTree3& tree, std::s
   return NormalTurning(cloud, tree, estimated, arena, progress).run();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Most bytes of arena that orient_normals() takes, not counting the rounding of blocks.
 std::size_t orientation_bytes(std::uint32_t points);
@@ -41,4 +41,4 @@ std::size_t orientation_bytes(std::uint32_t points);
                                                      std::span<const std::uint64_t> estimated, Arena& arena,
                                                      const StageProgress& progress = {});
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -11,7 +11,7 @@
 #include "slicer/normals/normal_orientation.hpp"
 #include "slicer/normals/seen_sides.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Cosine of 30 degrees: a splat whose axis is farther from the normal of its neighbours' plane takes that. The axes of splats that
@@ -128,4 +128,4 @@ Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena
   return flipped;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/normals/normal_counts.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Whether a scan's own normals say which side is outside. Those of Gaussian splats don't.
 enum class NormalSides : std::uint8_t { kKnown, kUnknown };
@@ -47,4 +47,4 @@ std::size_t normals_bytes(std::uint32_t points);
                                                       const StageProgress& progress = {},
                                                       NormalSides sides = NormalSides::kKnown);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

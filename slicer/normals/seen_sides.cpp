@@ -7,7 +7,7 @@
 #include "slicer/cloud/tangent_plane.hpp"
 #include "slicer/normals/sheets.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Sine of the angle from the surface below which neighbours decide: 30 degrees. At edges directions are off by as much.
@@ -106,4 +106,4 @@ Expected<std::uint32_t> face_scanners(Cloud& cloud, const KdTree3& tree, std::sp
   return turned;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

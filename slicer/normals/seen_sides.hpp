@@ -9,7 +9,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The normal of point i, on the side that its scanner saw. Where another scanner saw the plane from behind, its points lie on both sides of
 /// a thin wall or at an edge; the plane is then fitted to those seen from about the same place as point i.
@@ -29,4 +29,4 @@ Vec3f seen_normal(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, cons
 [[nodiscard]] Expected<std::uint32_t> face_scanners(Cloud& cloud, const KdTree3& tree,
                                                     std::span<const std::uint64_t> estimated, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/core/numbers/median.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "normals";
@@ -340,4 +340,4 @@ double Sheets::total_flux() const {
   return flux;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -12,7 +12,7 @@
 #include "slicer/normals/normal_counts.hpp"
 #include "slicer/normals/sided_sets.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A set of connected points whose sides are known relative to each other.
 struct NormalSheet {
@@ -97,4 +97,4 @@ class Sheets {
   FirstSide rule_ = FirstSide::kLargest;  ///< kLargest: the normals are those of the scan
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Disjoint sets whose members know their side relative to their root. For one thread.
 ///
@@ -71,4 +71,4 @@ class SidedSets {
   std::span<std::uint32_t> entries_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

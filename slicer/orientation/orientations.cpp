@@ -6,7 +6,7 @@
 
 #include "slicer/placement/placement.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr float kSteep = 0.70710678F;  ///< cosine of 45 degrees: flatter overhangs need supports
@@ -230,4 +230,4 @@ std::optional<Orientation> better_upright(const SurfaceSamples& samples) {
   return best;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -11,7 +11,7 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/orientation/surface_samples.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// What an orientation costs. Areas and lengths in the unit of the cloud.
 struct OrientationCost {
@@ -53,4 +53,4 @@ std::optional<std::array<Orientation, kBestOrientations>> best_orientations(cons
 /// stands on a flat foot there and not now.
 std::optional<Orientation> better_upright(const SurfaceSamples& samples);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include "slicer/core/cell_table.hpp"
 #include "slicer/placement/core_bounds.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "orientation";
@@ -112,4 +112,4 @@ Expected<SurfaceSamples> sample_surface(const Cloud& cloud, Arena& arena) {
   return samples;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

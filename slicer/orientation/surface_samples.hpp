@@ -9,7 +9,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A patch of the surface; unit of the cloud.
 struct SurfaceSample {
@@ -40,4 +40,4 @@ std::size_t sample_surface_bytes(std::uint32_t points);
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Expected<SurfaceSamples> sample_surface(const Cloud& cloud, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

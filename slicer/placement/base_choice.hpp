@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 enum class BaseChoice : std::uint8_t {
   kAuto,  ///< flat, at the base plane, where the surface is open there
@@ -16,4 +16,4 @@ constexpr const char* to_string(BaseChoice choice) {
   return choice == BaseChoice::kAuto ? "auto" : choice == BaseChoice::kNone ? "none" : "flat";
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

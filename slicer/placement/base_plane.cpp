@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <iterator>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Number of the lowest points that may be outliers. A larger number would cut off the tip of a sparse scan; with a
@@ -63,4 +63,4 @@ float base_plane(std::span<const Vec3f> points, float resolution) {
   return lowest;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Height of the base plane, from the points of the object's walls.
 ///
@@ -18,4 +18,4 @@ namespace plumbline {
 /// @returns mm, not below the lowest point that is no outlier
 [[nodiscard]] float base_plane(std::span<const Vec3f> points, float resolution);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

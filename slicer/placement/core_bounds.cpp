@@ -6,7 +6,7 @@
 
 #include "slicer/core/cell_pieces.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 // Cells along the core's longest side: so many that a surface has about ten points a cell.
@@ -73,4 +73,4 @@ Expected<Box3f> dense_bounds(std::span<const Vec3f> points, const Box3f& core, A
   return box;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

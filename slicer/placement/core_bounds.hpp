@@ -6,7 +6,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Bounds of the points along each axis without a twentieth of them at either end. Stray pieces are less than that, so the object
 /// reaches at least as far.
@@ -22,4 +22,4 @@ namespace plumbline {
 /// @retval ErrorCode::kOutOfMemory  no room for half a MiB of cells
 [[nodiscard]] Expected<Box3f> dense_bounds(std::span<const Vec3f> points, const Box3f& core, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

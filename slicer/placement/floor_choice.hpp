@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct FloorChoice {
   enum class Kind : std::uint8_t {
@@ -18,4 +18,4 @@ struct FloorChoice {
 
 inline constexpr double kLargestFloorHeight = 1e9;  ///< scan units, up and down
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kSample = 4096;  ///< points whose heights give the object's lowest and highest
@@ -290,4 +290,4 @@ Mat3d levelling(const Vec3d& up) {
   return Mat3d::Identity() + cross + cross * cross / (1 + up[2]);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 
 #include "slicer/cloud/cloud.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A plane that is the floor with everything less than `margin` above it.
 struct FloorPlane {
@@ -33,4 +33,4 @@ std::optional<FloorPlane> find_floor(const Cloud& cloud, float epsilon, float no
 /// @param up  not -z
 Mat3d levelling(const Vec3d& up);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/core/numbers/degrees.hpp"
 #include "slicer/core/words/plural.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kMargin = 3;  ///< pixels round an object in a grid of its own; opening and closing reach one
@@ -227,4 +227,4 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   return p;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 enum class Units : std::uint8_t { kMillimetres, kCentimetres, kMetres, kInches, kAuto };
 
@@ -103,4 +103,4 @@ PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm);
 /// @retval ErrorCode::kDoesNotFit  the message says by how much, and which --scale or size fits
 [[nodiscard]] Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSettings& settings);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

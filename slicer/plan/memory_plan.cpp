@@ -25,7 +25,7 @@
 #include "slicer/surface/stray_pieces.hpp"
 #include "slicer/views/registration.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Bytes for the alignment of a stage's blocks: each may lose up to one alignment, and a stage takes fewer than 64.
@@ -184,4 +184,4 @@ Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::ui
   return plan_memory(low, grid, threads, evidence);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

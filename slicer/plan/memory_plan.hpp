@@ -11,7 +11,7 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct ViewAlignment;
 
@@ -93,4 +93,4 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
                                                 const std::optional<PrintGrid>& grid, std::uint32_t threads,
                                                 PlanEvidence evidence = {});
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

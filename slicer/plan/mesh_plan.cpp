@@ -10,7 +10,7 @@
 #include "slicer/reader/triangles/vertex_list.hpp"
 #include "slicer/supports/support_finder.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr double kHitsError = 0.05;  ///< of the estimate, at most: a refusal and a plan leave that much on either side
@@ -66,4 +66,4 @@ Status admit_mesh(const MeshNeed& need, std::uint32_t threads, const Arena& aren
            mib(arena.capacity()), static_cast<int>(stage.size()), stage.data(), mib(sure.peak()), need.hits));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include "slicer/placement/placement.hpp"
 #include "slicer/plan/memory_plan.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// What the first reading of a mesh has found.
 struct MeshNeed {
@@ -28,4 +28,4 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads);
 [[nodiscard]] Status admit_mesh(const MeshNeed& need, std::uint32_t threads, const Arena& arena,
                                 std::array<std::size_t, kStageCount>& planned_bytes);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/rays/ray_shooter.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Crossings that the surface will make: the area of each point's share of it, seen from above, in pixels.
@@ -86,4 +86,4 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
            mib(arena.capacity())));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/progress.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// What is known once an object has been placed.
 struct PlacedObject {
@@ -32,4 +32,4 @@ std::uint32_t most_ray_points(const PlacedObject& object, const Arena& arena);
 [[nodiscard]] Status admit_rays(const PlacedObject& object, const Arena& arena,
                                 std::array<std::size_t, kStageCount>& planned_bytes);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Step of the search on either side of a crossing, as a share of the reach. Must be wider than the noise.
@@ -75,4 +75,4 @@ bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, Co
   return changed;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

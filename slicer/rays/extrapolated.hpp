@@ -6,7 +6,7 @@
 #include "slicer/implicit/column_winding.hpp"
 #include "slicer/rrep/ray_crossing.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A crossing is extrapolated if Intersection::off_centre (a share of the reach) exceeds this. It is 0.29 on the straight edge
 /// of a sampled plane and 0.41 in a right-angled corner. Of the crossings of the suite's scans 0.2 % (gear clean) to 2 % (gear
@@ -32,4 +32,4 @@ bool fill_short_hollows(std::span<RayCrossing>& crossings, float x, float y, Col
 /// @returns whether any crossing was moved or removed
 bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, ColumnWinding& winding, float reach);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kNeighbour = 10;  ///< k_2 of the thesis
@@ -43,4 +43,4 @@ float grid_width(const Cloud& cloud, const KdTree2& tree) {
   return std::isfinite(least) ? std::sqrt(std::numbers::pi_v<float>) * static_cast<float>(least) : 0.0F;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

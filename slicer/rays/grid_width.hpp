@@ -4,7 +4,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Grid width w, mm: the length scale of the queries. The rays themselves are the pixels.
 ///
@@ -15,4 +15,4 @@ namespace plumbline {
 /// @returns mm; 0 if both classes are left out
 float grid_width(const Cloud& cloud, const KdTree2& tree);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Every weight is zero at the very end of a band, so the sign is taken this share of the reach inside of it.
@@ -173,4 +173,4 @@ std::optional<float> RaySolver::solve_near(const RayPoints& points, float depth,
   return std::nullopt;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/implicit/mls.hpp"
 #include "slicer/rays/ray_points.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A zero of the MLS value on the ray: the ray meets the surface.
 struct Intersection {
@@ -77,4 +77,4 @@ class RaySolver {
   std::uint32_t intersection_count_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

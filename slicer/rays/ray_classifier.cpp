@@ -6,7 +6,7 @@
 
 #include "slicer/rays/extrapolated.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kMaxCrossingsFound = 4096;
@@ -280,4 +280,4 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   return {std::span<const RayCrossing>(crossings_).first(crossing_count_ / 2 * 2), decision};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

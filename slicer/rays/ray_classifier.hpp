@@ -12,7 +12,7 @@
 #include "slicer/rays/ray_points.hpp"
 #include "slicer/rrep/ray_crossing.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// What decided the crossings of a ray.
 enum class RayDecision : std::uint8_t {
@@ -137,4 +137,4 @@ class RayClassifier {
   bool used_winding_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

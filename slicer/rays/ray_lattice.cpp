@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// A point up to this many support radii above or below a sheet lies on it. Twice the spread of points on noisy scans.
@@ -287,4 +287,4 @@ void RayLattice::decide_square(const Square& square) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 
 #include "slicer/rays/ray_classifier.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// What is known of one ray of a tile.
 struct TileRay {
@@ -96,4 +96,4 @@ class RayLattice {
   std::uint32_t interpolated_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/core/numbers/lanes.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "ray search";
@@ -175,4 +175,4 @@ RayPoints RayGatherer::points_near(float x, float y, float depth) {
   return near;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

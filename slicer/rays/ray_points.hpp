@@ -9,7 +9,7 @@
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/implicit/mls.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// How wide supports are on rays. A few may be far wider than the others, where the scan is sparse: a search as wide as these would
 /// meet too many points everywhere.
@@ -73,4 +73,4 @@ class RayGatherer {
   bool thinned_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

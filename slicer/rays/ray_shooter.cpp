@@ -7,7 +7,7 @@
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/rays/ray_lattice.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Turns the crossings of one ray into layers. Neighbours with no sampling height between them cancel in pairs.
@@ -142,4 +142,4 @@ Expected<CrossingStore> shoot_all_rays(const RayField& field, float tolerance, C
   return store;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

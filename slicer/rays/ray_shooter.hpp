@@ -10,7 +10,7 @@
 #include "slicer/rays/ray_classifier.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 inline constexpr std::uint32_t kMaxThreads = 64;
 
@@ -37,4 +37,4 @@ std::size_t ray_worker_bytes(std::uint32_t tile_capacity);
                                                      std::uint32_t threads, Arena& arena, const StageProgress& progress,
                                                      RayCounts& counts);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

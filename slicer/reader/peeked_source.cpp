@@ -5,7 +5,7 @@
 
 #include "slicer/reader/scan_reader.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Stops the reader as soon as it has read the header.
@@ -61,4 +61,4 @@ Status PeekedSource::rewind() {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

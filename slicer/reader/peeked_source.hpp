@@ -8,7 +8,7 @@
 #include "slicer/core/byte_source.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Keeps the first bytes of a stream, so that its header can be read before the stream itself is.
 class PeekedSource final : public ByteSource {
@@ -46,4 +46,4 @@ class PeekedSource final : public ByteSource {
   bool peeking_ = false;  ///< the kept bytes stand for the whole stream
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

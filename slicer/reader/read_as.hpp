@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 enum class ReadAs : std::uint8_t {
   kAuto,    ///< STL and OFF are meshes; PLY and OBJ if their faces are the surface of an object
@@ -16,4 +16,4 @@ inline const char* to_string(ReadAs as) {
   return as == ReadAs::kPoints ? "points" : as == ReadAs::kMesh ? "mesh" : "auto";
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

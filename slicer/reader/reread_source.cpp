@@ -6,7 +6,7 @@
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "read";
@@ -79,4 +79,4 @@ Status RereadSource::rewind() {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/byte_source.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Goes back by rewinding its source. If that can't be done, keeps a copy of what was read in the arena.
 class RereadSource final : public ByteSource {
@@ -51,4 +51,4 @@ class RereadSource final : public ByteSource {
   std::size_t at_ = 0;         ///< in the stream, as far as it is kept
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/stream/point_batch.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Bytes: the longest row of a text file, and the longest line of a header. Rows of scans are far shorter, so a larger
@@ -73,4 +73,4 @@ Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<s
   return summary;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/core/byte_source.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Bytes of workspace that read_scan() needs for any file but a large compressed PCD or SPZ: the 64 KiB window, 1024 points, the
 /// largest header, and compressed columns of some 45,000 points.
@@ -27,4 +27,4 @@ inline constexpr std::size_t kReaderWorkspace = std::size_t{512} * 1024;
 [[nodiscard]] Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<std::byte> workspace,
                                               Arena* lent = nullptr);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

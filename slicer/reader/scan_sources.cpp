@@ -4,7 +4,7 @@
 
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 ScanTitle title_of(ScanSources sources) { return title_of(sources.front()->name(), sources.size()); }
 
@@ -40,4 +40,4 @@ ScanSummary sum_of(const ScanSummaries& summaries) {
   return sum;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

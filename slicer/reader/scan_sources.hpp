@@ -10,7 +10,7 @@
 #include "slicer/core/byte_source.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// 1 to kMostScans streams, in the order in which they are read; after the scans any .conf that says where these lie (ViewPoses). Thinning depends on the order: the first point of a cell
 /// fixes the cell's place in the cloud.
@@ -39,4 +39,4 @@ struct ScanSummaries {
 /// count as points without a normal. If one file is in mm by its format, all are.
 ScanSummary sum_of(const ScanSummaries& summaries);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 std::string_view without_folder(std::string_view name) { return name.substr(name.rfind('/') + 1); }
@@ -96,4 +96,4 @@ Status ViewPoses::read_file(ByteSource& conf, ScanSources scans, std::span<std::
   return input.fail(ErrorCode::kBadSetting, "it names none of the scans that are given with it;\tleave it out");
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/reader/records/scan_pose.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 inline constexpr std::size_t kMostPoseBytes = std::size_t{64} * 1024;  ///< of a .conf; some 100 a scan are usual
 
@@ -40,4 +40,4 @@ class ViewPoses {
   std::array<std::optional<ScanPose>, kMostScans> poses_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

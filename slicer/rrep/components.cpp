@@ -6,7 +6,7 @@
 
 #include "slicer/core/disjoint_sets.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "components";
@@ -184,4 +184,4 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   return counts;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct ComponentCounts {
   bool counted = false;               ///< false: the arena had no room, and nothing was removed
@@ -46,4 +46,4 @@ struct ComponentLimits {
 /// @param arena  components_bytes() from the top, given back
 [[nodiscard]] ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimits& limits, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <numeric>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "confidence map";
@@ -140,4 +140,4 @@ Evidence ConfidenceMap::at(std::uint32_t column, std::uint32_t row, std::uint32_
   return evidence_at(cell_of(middle_of(column, row, layer)));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

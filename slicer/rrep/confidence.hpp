@@ -11,7 +11,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// What a crossing rests on.
 enum class Evidence : std::uint8_t {
@@ -90,4 +90,4 @@ class ConfidenceMap {
   Cell dims_ = Cell::Zero();
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 
 #include "slicer/core/numbers/mib.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 std::uint32_t layer_of(float depth, const PrintGrid& grid) {
   const float k = std::ceil(depth / grid.layer_height_mm - 0.5F);
@@ -114,4 +114,4 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   return RRep{.grid = grid, .first = first, .pixel = pixel};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

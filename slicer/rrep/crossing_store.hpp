@@ -10,7 +10,7 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/rrep/rrep.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The layer of a crossing at this depth: the first whose sampling height is not below it.
 /// @param depth  mm; below 0 counts as layer 0
@@ -136,4 +136,4 @@ void CrossingStore::for_each_row(const RowRoom& room, Visit visit) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 void MaskExtent::hold(ConstBitImage mask) {
   for (std::uint32_t r = 0; r < mask.rows(); ++r) {
@@ -40,4 +40,4 @@ MaskExtent extent_of(const RRep& rrep) {
   return extent;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/rrep/rrep.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Half-open ranges of pixels: columns from left to right, rows from top to bottom. Empty as long as nothing is in it.
 struct MaskExtent {
@@ -23,4 +23,4 @@ struct MaskExtent {
 /// Around all crossings, and with them all masks: opening and closing make nothing larger.
 MaskExtent extent_of(const RRep& rrep);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

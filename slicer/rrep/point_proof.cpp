@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 struct Direction {
@@ -92,4 +92,4 @@ PointProof prove(const CrossingStore& store, std::span<const Vec3f> points, floa
   return proof;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

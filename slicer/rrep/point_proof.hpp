@@ -9,7 +9,7 @@
 #include "slicer/core/words/told.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// How far points of the scan lie from the surface of the R-Rep.
 struct PointProof {
@@ -36,4 +36,4 @@ Told told_off(const PointProof& proof);
 /// @param reach_mm  a point that lies farther away is off; but never less than two pixels or two layers
 PointProof prove(const CrossingStore& store, std::span<const Vec3f> points, float reach_mm);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

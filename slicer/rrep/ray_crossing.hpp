@@ -3,7 +3,7 @@
 
 #include "slicer/rrep/confidence.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct RayCrossing {
   float depth = 0;  ///< mm
@@ -11,4 +11,4 @@ struct RayCrossing {
   bool extrapolated = false;  ///< its points all lie to one side, as beyond an edge
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

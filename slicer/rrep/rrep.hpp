@@ -7,7 +7,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Crossings of all rays with the surface, sorted by layer (thesis III-1, LDNI without normals).
 ///
@@ -24,4 +24,4 @@ struct RRep {
   std::size_t crossings() const { return pixel.size(); }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 
 #include "slicer/core/numbers/degrees.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Between braces of two pillars, mm, so that a cutter gets in; and a brace is added only where a pillar has no contact for longer.
@@ -296,4 +296,4 @@ Expected<bool> Bracing::add_helper(std::size_t index, const Gap& gap) {
   return false;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

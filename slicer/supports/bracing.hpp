@@ -9,7 +9,7 @@
 #include "slicer/supports/strut_list.hpp"
 #include "slicer/supports/support_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A height at which something beside a pillar holds it.
 struct StrutContact {
@@ -75,4 +75,4 @@ class Bracing {
   BraceCounts counts_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

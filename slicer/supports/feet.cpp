@@ -7,7 +7,7 @@
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "supports";
@@ -99,4 +99,4 @@ std::size_t add_feet_bytes(const PrintGrid& grid) {
          LayerRegions::bytes_needed(grid.rows, kRegions);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/strut_list.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A region of the first layer with less than this holds less than 0.5 N on the plate (PeelSettings of hal/sim): it tears off once it has
 /// grown to some mm2. It is a speck of a rough underside, or the foot of a pillar that has no room for a base.
@@ -25,4 +25,4 @@ inline constexpr double kPadHeight_mm = 0.3;
 [[nodiscard]] Expected<std::uint32_t> add_feet(const RRep& rrep, StrutList& list, Arena& arena);
 std::size_t add_feet_bytes(const PrintGrid& grid);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 #include "slicer/core/bit_spans.hpp"
 #include "slicer/core/numbers/degrees.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Of kSteps steps, kStepsToCorners go to the corners too: 5 / 12 is close to sqrt(2) - 1, the ratio of a regular octagon.
@@ -151,4 +151,4 @@ void HeldArea::drop_what_is_near(BitImage fresh, ConstBitImage marks) const {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -11,7 +11,7 @@
 #include "slicer/supports/support_settings.hpp"
 #include "slicer/supports/window.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The held pixels of a layer, made from those of the layer below.
 ///
@@ -69,4 +69,4 @@ class HeldArea {
   BitImage open_;      ///< one row, a bit for each row that may have pixels that are not held
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

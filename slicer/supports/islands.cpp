@@ -5,7 +5,7 @@
 
 #include "slicer/core/bit_spans.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "supports";
@@ -131,4 +131,4 @@ void IslandFinder::keep_what_goes_on() {
   open_ = kept;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

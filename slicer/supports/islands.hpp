@@ -11,7 +11,7 @@
 #include "slicer/core/regions/island_share.hpp"
 #include "slicer/supports/window.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Finds the regions of a layer that have no pixel above the layer below. Pixels are joined at sides, not at corners, where a
 /// print would tear.
@@ -96,4 +96,4 @@ class IslandFinder {
   bool may_be_weak_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// White where a pixel of the word is at most `reach` away, within the word.
@@ -66,4 +66,4 @@ std::uint64_t Disc::near(ConstBitImage image, std::uint32_t row, std::uint32_t w
   return wanted & ~missing;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -11,7 +11,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/supports/drawing/disc.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Pixels of word `w` of a row that have a white one of the row at most `reach` columns away. Some may lie past the last column.
 std::uint64_t near_in_row(std::span<const std::uint64_t> row, std::uint32_t w, std::uint32_t reach);
@@ -68,4 +68,4 @@ void Disc::draw_near(std::span<const std::uint64_t> line, std::uint32_t row, Bit
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/supports/near.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "supports";
@@ -225,4 +225,4 @@ Vec3d Obstacles::normal(std::uint32_t column, std::uint32_t row, std::uint32_t l
   return {n[0] / length, n[1] / length, n[2] / length};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

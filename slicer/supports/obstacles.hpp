@@ -12,7 +12,7 @@
 #include "slicer/supports/drawing/disc.hpp"
 #include "slicer/supports/window.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Voxels of a quarter of a millimetre, or larger if they would take more than kMostBytes. One is solid if any pixel of any
 /// mask in it is. Distances between solid and supports are measured from voxel to voxel and horizontally; they are never
@@ -66,4 +66,4 @@ class Obstacles {
   std::span<std::uint16_t> lowest_;  ///< by column of voxels: the lowest that has solid within column_radius
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

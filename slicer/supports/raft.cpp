@@ -5,7 +5,7 @@
 
 #include "slicer/core/numbers/degrees.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr double kFar = 1e300;
@@ -65,4 +65,4 @@ Status add_raft(const SupportSettings& settings, StrutList& list, std::span<doub
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 
 #include "slicer/core/numbers/degrees.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// A pillar carries this many heads besides its own.
@@ -350,4 +350,4 @@ Status Routing::stand_on_plate(const Place& place, double radius) {
   return list_.add_pillar(pillar);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

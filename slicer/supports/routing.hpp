@@ -10,7 +10,7 @@
 #include "slicer/supports/support_settings.hpp"
 #include "slicer/supports/tips.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Tips by where their load goes, and by its size.
 struct RouteCounts {
@@ -89,4 +89,4 @@ class Routing {
   RouteCounts counts_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

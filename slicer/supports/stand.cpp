@@ -8,7 +8,7 @@
 #include "slicer/layers/rrep_edit.hpp"
 #include "slicer/supports/window.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Of the layers above those that may be cut off, every fourth is measured.
@@ -88,4 +88,4 @@ Status stand_object(RRep& rrep, const Stand& stand, Arena& arena) {
   return stand.lifted > 0 ? raise_object(rrep, stand.lifted, arena) : Status();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/support_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct Stand {
   std::uint32_t sunk = 0;         ///< layers cut off below
@@ -42,4 +42,4 @@ inline double lift_mm(const SupportSettings& settings) {
   return settings.object_elevation > 0 ? settings.object_elevation + settings.pad_wall_thickness : 0;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr double kLeastPixels = 1.5;  ///< radius
@@ -58,4 +58,4 @@ std::uint32_t StrutList::layer_at(double z) const {
   return static_cast<std::uint32_t>(std::clamp(layer, 0.0, static_cast<double>(grid_.layers - 1)));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

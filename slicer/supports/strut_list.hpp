@@ -10,7 +10,7 @@
 #include "slicer/supports/drawing/supports.hpp"
 #include "slicer/supports/support_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A place in a print, mm from the centre of pixel (0, 0) and from the plate.
 struct Place {
@@ -56,4 +56,4 @@ class StrutList {
   std::size_t strut_count_ = 0, pillar_count_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

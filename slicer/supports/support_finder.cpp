@@ -14,7 +14,7 @@
 #include "slicer/supports/tips.hpp"
 #include "slicer/supports/window.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "supports";
@@ -238,4 +238,4 @@ std::size_t find_supports_bytes(const RRep& rrep, const SupportSettings& setting
   return bytes_needed(rrep.grid, window_of(rrep), lift_mm(settings));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

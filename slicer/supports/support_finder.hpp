@@ -12,7 +12,7 @@
 #include "slicer/supports/drawing/supports.hpp"
 #include "slicer/supports/support_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Number of supports, one for each tip, by their purpose, by where their load goes and by its size; and what else was found.
 struct SupportCounts {
@@ -62,4 +62,4 @@ std::size_t find_supports_bytes(const RRep& rrep, const SupportSettings& setting
 /// Largest number of struts.
 std::uint32_t most_struts(const PrintGrid& grid);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

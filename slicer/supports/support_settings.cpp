@@ -1,6 +1,6 @@
 #include "slicer/supports/support_settings.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 Status check_support_settings(const SupportSettings& settings) {
   for (const SupportField& field : kSupportFields) {
@@ -32,4 +32,4 @@ Status check_support_settings(const SupportSettings& settings) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Lengths are mm, angles degrees. A name that PrusaSlicer has means what it means there, as do the defaults except those of the
 /// pad, which is thinner here and bevelled.
@@ -98,4 +98,4 @@ inline constexpr std::array<SupportField, 19> kSupportFields = {{
 ///                                 the message names the key, the value and what is allowed
 [[nodiscard]] Status check_support_settings(const SupportSettings& settings);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "supports";
@@ -98,4 +98,4 @@ const Tip* TipLoads::carry(std::uint32_t column, std::uint32_t row, std::uint32_
   return nullptr;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

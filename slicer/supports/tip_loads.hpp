@@ -10,7 +10,7 @@
 #include "slicer/supports/support_settings.hpp"
 #include "slicer/supports/tips.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Tips by their place, in square cells, so that the nearest to a pixel is found in nine of them.
 class TipLoads {
@@ -47,4 +47,4 @@ class TipLoads {
   std::uint32_t reserve_ = 0;         ///< pixels of overhang that may come nearer than that
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

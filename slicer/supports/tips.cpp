@@ -14,7 +14,7 @@
 #include "slicer/supports/weak_regions.hpp"
 #include "slicer/supports/window.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "supports";
@@ -434,4 +434,4 @@ std::size_t find_tips_bytes(const PrintGrid& grid, const Window& window) {
          WeakRegions::bytes_needed(grid.rows) + TipLoads::bytes_needed(grid, most_tips(grid));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

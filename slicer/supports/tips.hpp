@@ -12,7 +12,7 @@
 #include "slicer/supports/support_settings.hpp"
 #include "slicer/supports/window.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A place of the object that a support holds.
 struct Tip {
@@ -74,4 +74,4 @@ std::size_t find_tips_bytes(const PrintGrid& grid, const Window& window);
 /// Largest number of tips on a panel. It follows the panel's area, so coarse pixels leave no object without its supports.
 std::uint32_t most_tips(const PrintGrid& grid);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 
 #include "slicer/core/bit_spans.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "supports";
@@ -69,4 +69,4 @@ WeakRegions::Place WeakRegions::place_in(std::uint32_t region, ConstBitImage mas
   return place;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

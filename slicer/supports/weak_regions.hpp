@@ -12,7 +12,7 @@
 #include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/supports/tips.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A region of a layer is weak if something holds it, but so little that it is an island whatever its overhangs are (IslandShare).
 class WeakRegions {
@@ -50,4 +50,4 @@ class WeakRegions {
   bool any_ = false;               ///< regions_ are those of the layer
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

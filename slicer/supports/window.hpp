@@ -8,7 +8,7 @@
 #include "slicer/rrep/mask_extent.hpp"
 #include "slicer/rrep/rrep.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Half-open ranges of rows, and of words of 64 columns.
 struct Window {
@@ -37,4 +37,4 @@ inline Window window_of(const RRep& rrep) {
   return {extent.top, extent.bottom, extent.left / 64, (extent.right + 63) / 64};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

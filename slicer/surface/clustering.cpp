@@ -12,7 +12,7 @@
 #include "slicer/core/numbers/median.hpp"
 #include "slicer/surface/sparse_surface.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "clustering";
@@ -253,4 +253,4 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
   return Clusterer(cloud, tree, epsilon, sparse).run(arena, progress);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

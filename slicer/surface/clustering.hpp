@@ -9,7 +9,7 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/surface/surface_class.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Points that tell a median over the scan: within 1 % of the whole cloud's.
 inline constexpr std::uint32_t kMedianSample = 16384;
@@ -78,4 +78,4 @@ std::size_t clustering_bytes(std::uint32_t points);
                                                  const StageProgress& progress = {},
                                                  SparseSurface sparse = SparseSurface::kKept);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/surface/sparse_surface.hpp"
 #include "slicer/surface/stray_pieces.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kSheet = 8;  ///< nearest points whose sheet a point must lie on
@@ -186,4 +186,4 @@ Expected<std::uint32_t> mark_flying_points(Cloud& cloud, const KdTree3& tree, co
   return count;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/surface/clustering.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Marks flying points around the object as noise, so that its extents are those of its surface.
 ///
@@ -27,4 +27,4 @@ namespace plumbline {
 [[nodiscard]] Expected<std::uint32_t> mark_flying_points(Cloud& cloud, const KdTree3& tree,
                                                          const ClusteringResult& clustering, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

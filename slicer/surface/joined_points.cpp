@@ -7,7 +7,7 @@
 
 #include "slicer/surface/surface_class.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Share of its support radius within which a point is joined where there is room. A wider one blurs: with 0.2, gear noisy had a wrong island under
@@ -107,4 +107,4 @@ void join_points(Cloud& cloud, std::uint32_t most) {
   cloud.size = kept;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 
 #include "slicer/cloud/cloud.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Joins points that are much closer to each other than their support radii and face the same way. A joined point weighs as
 /// much as its points together (PackedNormal::weight), has their mean normal and support, and lies on the surface through them:
@@ -21,4 +21,4 @@ namespace plumbline {
 ///               support radius
 void join_points(Cloud& cloud, std::uint32_t most = std::numeric_limits<std::uint32_t>::max());
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -11,7 +11,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/surface/sparse_surface.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 // Points of a plane: more average noise out, fewer keep detail.
@@ -194,4 +194,4 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringR
   return fail(ErrorCode::kCancelled, "cancelled while normals were refined");
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

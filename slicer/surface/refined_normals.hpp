@@ -9,7 +9,7 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/surface/clustering.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Where most normals of a scan come from.
 enum class NormalSource : std::uint8_t {
@@ -47,4 +47,4 @@ enum class NormalSource : std::uint8_t {
                                     NormalSource source, std::span<PackedNormal> refined,
                                     const StageProgress& progress = {});
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/numbers/median.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kMayDiffer = 2;  ///< of kSparsePoints
@@ -92,4 +92,4 @@ Status level_wide_supports(Cloud& cloud, const KdTree3& tree, float epsilon, Are
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/surface/clustering.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Tests whether point i lies on a sparse sheet of points that face its way. Of the nearest of these, kSparsePoints (itself included) must
 /// lie within kFarthest * epsilon by the metric of the clustering, and its mean pair_height() over them must be at most kMostHeight of their
@@ -33,4 +33,4 @@ std::optional<float> sparse_share(const Cloud& cloud, const KdTree3& tree, std::
 /// @param arena  4 bytes a point from the top, released on return
 [[nodiscard]] Status level_wide_supports(Cloud& cloud, const KdTree3& tree, float epsilon, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 
 #include "slicer/core/cell_pieces.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kMinSlots = 1U << 10;
@@ -168,4 +168,4 @@ Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& cl
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/surface/clustering.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Points up to so many epsilons apart hang together: that joins the sparse parts of one surface, but not two separate things.
 inline constexpr float kTogetherEpsilons = 1.5F;
@@ -41,4 +41,4 @@ std::size_t stray_pieces_bytes(std::uint32_t points);
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -1,6 +1,6 @@
 #include "slicer/surface/surface_class.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// A scan of one side has some entering points at its rim and where noise tilts normals: ucicouple_front has at most a
@@ -28,4 +28,4 @@ ClassCounts count_classes(std::span<const PackedNormal> normals) {
   return points;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

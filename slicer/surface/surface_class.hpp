@@ -7,7 +7,7 @@
 
 #include "slicer/cloud/cloud.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Entering, exiting or neutral, by the angle between the normal and the manufacturing direction +z. Never noise.
 PointClass orientation_of(const PackedNormal& normal);
@@ -30,4 +30,4 @@ struct ClassCounts {
 
 ClassCounts count_classes(std::span<const PackedNormal> normals);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

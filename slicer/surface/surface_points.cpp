@@ -8,7 +8,7 @@
 #include "slicer/surface/sparse_surface.hpp"
 #include "slicer/surface/surface_class.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Where most points are outliers, or all are means, the rest is a surface if it has this share of core points. A surface has 0.5 or more,
@@ -189,4 +189,4 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
   return surface;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

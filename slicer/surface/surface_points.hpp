@@ -11,7 +11,7 @@
 #include "slicer/surface/refined_normals.hpp"
 #include "slicer/surface/stray_pieces.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct SurfaceSettings {
   NormalSource normals = NormalSource::kScanner;
@@ -48,4 +48,4 @@ struct SurfacePoints {
                                                           const SurfaceSettings& settings, Arena& arena,
                                                           const StageProgress& progress = {});
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

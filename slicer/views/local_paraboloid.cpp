@@ -8,7 +8,7 @@
 #include "slicer/core/numbers/lanes.hpp"
 #include "slicer/core/numbers/median.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Largest ratio of the least to the middle principal value of points on a surface; 1 is a ball or a line.
@@ -139,4 +139,4 @@ void LocalParaboloid::solve() {
   set_residuals(*this, flat.data());
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

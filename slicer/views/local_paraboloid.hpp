@@ -7,7 +7,7 @@
 
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 using Vec6d = Eigen::Matrix<double, 6, 1>;
 using Mat6d = Eigen::Matrix<double, 6, 6>;
@@ -39,4 +39,4 @@ struct LocalParaboloid {
   void solve();
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Least length of the mean normal of a view that was seen from one place; that of half a ball is .5, of a merged scan near 0.
@@ -41,4 +41,4 @@ Expected<MovedViews> MovedViews::create(const Cloud& cloud, float spacing, Arena
   return moved;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

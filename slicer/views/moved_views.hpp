@@ -13,7 +13,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/views/local_paraboloid.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The views that a thread sums up for, so that their sums don't depend on the number of threads.
 struct ViewShare {
@@ -71,4 +71,4 @@ class MovedViews {
   std::span<Vec3d> mean_normal_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/views/moved_views.hpp"
 #include "slicer/views/shared_place.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "views";
@@ -319,4 +319,4 @@ Expected<Registration> register_views(Cloud& cloud, const KdTree3& tree, Arena& 
   return Registrar(cloud, tree, *moved).run(arena, progress);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

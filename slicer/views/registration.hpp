@@ -7,7 +7,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/progress.hpp"
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Arena bytes that register_views() takes for so many views, without alignment.
 std::size_t register_views_bytes(std::uint32_t views);
@@ -37,4 +37,4 @@ struct Registration {
 [[nodiscard]] Expected<Registration> register_views(Cloud& cloud, const KdTree3& tree, Arena& arena,
                                                     const StageProgress& progress = {});
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 
 #include "slicer/cloud/nearest_by_radius.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr float kMinCosine = 0.8F;  ///< of the normals of one smooth place: within 37 degrees of its middle point's
@@ -102,4 +102,4 @@ void SharedPlace::sum_up(const LocalParaboloid& surface, const MovedViews& moved
   lever.tail<3>() = surface.mean.cross(surface.normal) / moved_views.extent();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

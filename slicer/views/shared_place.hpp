@@ -8,7 +8,7 @@
 #include "slicer/views/local_paraboloid.hpp"
 #include "slicer/views/moved_views.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The points around a place that a surface goes through. They stay the same while views are moved.
 struct PlacePoints {
@@ -47,4 +47,4 @@ struct SharedPlace {
   std::array<std::uint8_t, LocalParaboloid::kMaxPoints> view_of_;  ///< each kept point's
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -19,7 +19,7 @@
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace testing;
@@ -205,4 +205,4 @@ void row_of_ray_tiles(benchmark::State& state) {
 BENCHMARK(row_of_ray_tiles)->Arg(100'000)->Arg(300'000)->ArgName("points")->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -24,7 +24,7 @@ KEPT = Path(__file__).with_name("guard.json")
 MARGIN = 0.03
 LEAST = 0.001  # of the whole run: a stage that grows by less is let through, since a few cells more or less are 3 % of a tiny one
 COUNTER = "valgrind"
-STAGE_ENDS = "plumbline::ProgressLines::end(*"  # --verbose: called once for each line about a stage
+STAGE_ENDS = "plumbline::firmware::ProgressLines::end(*"  # --verbose: called once for each line about a stage
 NOISY = ["--points", "34000", "--seed", "4"]
 PITCH = {"clean": "0.3", "noisy": "0.2"}  # mm, of pixels and layers
 

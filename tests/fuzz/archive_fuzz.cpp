@@ -19,7 +19,7 @@
 #include "tests/slicer/support/deflated.hpp"
 #include "tests/slicer/support/threemf_file.hpp"
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 namespace {
 
 using testing::deflated;
@@ -122,10 +122,10 @@ void check(std::span<const std::uint8_t> bytes) {
 }
 
 }  // namespace
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  using namespace plumbline::fuzz;
+  using namespace plumbline::firmware::fuzz;
   if (size == 0 || bytes[0] == 'P') {
     check({bytes, size});
     return 0;

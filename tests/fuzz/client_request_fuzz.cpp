@@ -9,7 +9,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace plumbline;
-  using namespace plumbline::fuzz;
+  using namespace plumbline::firmware;
+  using namespace plumbline::firmware::fuzz;
   const std::string_view line(reinterpret_cast<const char*>(bytes), size);
   std::optional<std::uint64_t> id;
   const auto request = parse_request(line, id);

@@ -16,7 +16,7 @@
 #include "slicer/slice_settings.hpp"
 #include "tests/fuzz/edits.hpp"
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 
 struct CloudPoint {
   Vec3d at = Vec3d::Zero();
@@ -232,4 +232,4 @@ inline std::string ply_of(const CloudInput& job, std::uint32_t file) {
   return bytes;
 }
 
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz

@@ -14,5 +14,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     file.insert(file.end(), page.begin(), page.end());
     for (int shift = 24; shift >= 0; shift -= 8) file.push_back(static_cast<std::uint8_t>(sum >> shift));
   }
-  return plumbline::fuzz::check_scan("scan.e57", file.data(), file.size(), 8);
+  return plumbline::firmware::fuzz::check_scan("scan.e57", file.data(), file.size(), 8);
 }

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 
 /// Takes numbers from the input; 0 when it is used up.
 class Input {
@@ -48,4 +48,4 @@ inline void damage(std::vector<std::byte>& bytes, Input& input) {
   }
 }
 
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz

@@ -11,7 +11,7 @@
 #include "slicer/reader/scan_reader.hpp"
 #include "tests/fuzz/require.hpp"
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 
 /// Delivers bytes all at once, or in pieces of 1 to 97 that depend only on the input.
 class Pieces final : public ByteSource {
@@ -132,4 +132,4 @@ inline int check_scan(const char* name, const std::uint8_t* bytes, std::size_t s
   return 0;
 }
 
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz

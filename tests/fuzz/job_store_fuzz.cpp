@@ -16,7 +16,7 @@
 #include "tests/fuzz/edits.hpp"
 #include "tests/fuzz/require.hpp"
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 namespace {
 
 constexpr std::uint32_t kFirst[] = {0, 2, 2, 5};
@@ -104,10 +104,10 @@ void forge(std::vector<std::byte>& bytes) {
 }
 
 }  // namespace
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  using namespace plumbline::fuzz;
+  using namespace plumbline::firmware::fuzz;
   const std::span all(bytes, size);
   if (all.empty()) return 0;
   Input input(all.subspan(1));

@@ -10,7 +10,7 @@
 #include "tests/fuzz/edits.hpp"
 #include "tests/fuzz/require.hpp"
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 namespace {
 
 constexpr std::uint32_t kLayers = 20;
@@ -103,10 +103,10 @@ void check_any(std::span<const std::uint8_t> bytes) {
 }
 
 }  // namespace
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  using namespace plumbline::fuzz;
+  using namespace plumbline::firmware::fuzz;
   const std::span all(bytes, size);
   if (all.empty()) return 0;
   Input input(all.subspan(1));

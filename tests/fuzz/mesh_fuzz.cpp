@@ -17,7 +17,7 @@
 #include "tests/fuzz/fuzz_scan.hpp"
 #include "tests/slicer/support/threemf_file.hpp"
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 namespace {
 
 class CheckingTriangles final : public TriangleSink {
@@ -106,10 +106,10 @@ std::uint64_t slice_it(std::string_view bytes, const char* name, std::uint8_t op
 }
 
 }  // namespace
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace plumbline::fuzz;
+  using namespace plumbline::firmware::fuzz;
   constexpr std::array kNames = {"a.stl", "a.obj", "a.ply", "a.off"};
   if (size == 0) return 0;
   std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);

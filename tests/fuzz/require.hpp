@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 
 /// Ends the program if `truth` does not hold, so that the fuzzer keeps the input.
 inline void require(bool truth, const char* what) {
@@ -12,4 +12,4 @@ inline void require(bool truth, const char* what) {
   std::abort();
 }
 
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz

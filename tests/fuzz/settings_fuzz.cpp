@@ -9,7 +9,7 @@
 #include "firmware/settings/print_profile.hpp"
 #include "tests/fuzz/require.hpp"
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 namespace {
 
 constexpr std::string_view kName = "fuzzed.toml";
@@ -40,11 +40,12 @@ void check_machine(const MachineFile& machine, const Expected<PrintProfile>& pro
 }
 
 }  // namespace
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace plumbline;
-  using namespace plumbline::fuzz;
+  using namespace plumbline::firmware;
+  using namespace plumbline::firmware::fuzz;
   const std::string_view text(reinterpret_cast<const char*>(bytes), size);
   const auto profile = parse_print_profile(text, kName);
   if (profile) {

@@ -14,7 +14,7 @@
 #include "tests/fuzz/cloud_input.hpp"
 #include "tests/fuzz/require.hpp"
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 namespace {
 
 class Bytes final : public ByteSource {
@@ -190,10 +190,10 @@ std::uint64_t run(const CloudInput& job, const std::vector<std::string>& files, 
 }
 
 }  // namespace
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  using namespace plumbline::fuzz;
+  using namespace plumbline::firmware::fuzz;
   const CloudInput job = CloudDecoder({bytes, size}).decode();
   std::vector<std::string> files;
   for (std::uint32_t file = 0; file < job.files; ++file) files.push_back(ply_of(job, file));

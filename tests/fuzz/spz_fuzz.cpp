@@ -6,7 +6,7 @@
 
 /// The first byte decides whether the rest is the file, or what the file decompresses to.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  using plumbline::fuzz::check_scan;
+  using plumbline::firmware::fuzz::check_scan;
   constexpr std::uint64_t kPointsAByte = 64;  // 1032 bytes from one, at least 16 a splat
   if (size == 0) return 0;
   if (bytes[0] % 4 == 0) return check_scan("scan.spz", bytes + 1, size - 1, kPointsAByte);

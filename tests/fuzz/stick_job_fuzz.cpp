@@ -11,7 +11,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace plumbline;
-  using namespace plumbline::fuzz;
+  using namespace plumbline::firmware;
+  using namespace plumbline::firmware::fuzz;
   const auto job = parse_stick_job({reinterpret_cast<const char*>(bytes), size}, kJobFile);
   if (!job) {
     require(job.error().code() == ErrorCode::kMalformed || job.error().code() == ErrorCode::kBadSetting,

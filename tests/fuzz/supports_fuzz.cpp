@@ -14,7 +14,7 @@
 #include "tests/fuzz/edits.hpp"
 #include "tests/fuzz/require.hpp"
 
-namespace plumbline::fuzz {
+namespace plumbline::firmware::fuzz {
 namespace {
 
 struct Job {
@@ -188,10 +188,10 @@ std::uint64_t run(const Job& job, std::byte content) {
 }
 
 }  // namespace
-}  // namespace plumbline::fuzz
+}  // namespace plumbline::firmware::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  using namespace plumbline::fuzz;
+  using namespace plumbline::firmware::fuzz;
   const Job job = decode(Input({bytes, size}));
   const std::uint64_t first = run(job, std::byte{0xA5});
   require(run(job, std::byte{0x5A}) == first, "the second run differs");

@@ -6,7 +6,7 @@
 
 #include "tests/hil/session_rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -494,4 +494,4 @@ TEST(Daemon, PrintsTenJobsInTheSameMemory) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "tests/hil/rig.hpp"
 #include "tests/hil/session_rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace fault_test {
 
 using enum PrintState;
@@ -231,4 +231,4 @@ TEST(Faults, LostStepsAreFoundWhenThePartIsRaised) {
 }
 
 }  // namespace fault_test
-}  // namespace plumbline
+}  // namespace plumbline::firmware

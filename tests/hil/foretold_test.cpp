@@ -15,7 +15,7 @@
 #include "slicer/checks/stack_checker.hpp"
 #include "tests/hal/small_print.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace foretold_test {
 
 constexpr std::uint32_t kColumns = 130;
@@ -246,4 +246,4 @@ TEST(Foretold, PiecesTearOffInTheirLayersWithTheirForcesAndTheirVolume) {
 }
 
 }  // namespace foretold_test
-}  // namespace plumbline
+}  // namespace plumbline::firmware

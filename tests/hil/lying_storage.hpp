@@ -8,7 +8,7 @@
 
 #include "tests/hil/rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 inline constexpr nanoseconds kPrint = std::chrono::seconds(400);
 
@@ -74,4 +74,4 @@ inline Tally lose_and_resume(int rounds, std::uint64_t seed) {
   return tally;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

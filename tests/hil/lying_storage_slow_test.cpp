@@ -2,7 +2,7 @@
 
 #include "tests/hil/lying_storage.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 TEST(LyingStorage, After10000PowerCutsThePrintGoesOnAtTheRightLayerOrItsUserIsAsked) {
@@ -16,4 +16,4 @@ TEST(LyingStorage, After10000PowerCutsThePrintGoesOnAtTheRightLayerOrItsUserIsAs
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using enum PrintState;
@@ -148,4 +148,4 @@ TEST(LyingStorage, ThatDropsItsWritesDuringAPrintEndsIt) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

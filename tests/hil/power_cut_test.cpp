@@ -8,7 +8,7 @@
 
 #include "tests/hil/rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using enum PrintState;
@@ -130,4 +130,4 @@ TEST(PowerCut, ADamagedJournalIsNotResumed) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

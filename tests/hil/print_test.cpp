@@ -5,7 +5,7 @@
 
 #include "tests/hil/rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace plumbline::literals;
@@ -449,4 +449,4 @@ TEST(PrintChecks, FailForAnExposureThatDoesNotCureALayer) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -15,7 +15,7 @@
 #include "slicer/supports/drawing/support_painter.hpp"
 #include "tests/hil/session_rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using enum PrintState;
@@ -121,4 +121,4 @@ TEST_F(PrintedBustSlow, LosesWithoutSupportsWhatTheSweepForetells) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

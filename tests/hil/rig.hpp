@@ -17,7 +17,7 @@
 #include "firmware/print/print_session.hpp"
 #include "hal/sim/sim_machine.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 using namespace plumbline::literals;
 
@@ -337,4 +337,4 @@ class Rig {
   std::vector<ExposureLine> lines_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -17,7 +17,7 @@
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/hil/rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 inline BoardFile session_board() {
   BoardFile board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value();
@@ -205,4 +205,4 @@ class DaemonRig {
   std::optional<SimMachine> machine_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

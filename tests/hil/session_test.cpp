@@ -6,7 +6,7 @@
 #include "firmware/print/print_summary.hpp"
 #include "tests/hil/session_rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -153,4 +153,4 @@ TEST(Report, HasTheStepsOfARealStageAndNoneOfASimulatedOne) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

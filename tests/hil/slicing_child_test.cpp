@@ -10,7 +10,7 @@
 
 #include "tests/hil/session_rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -218,4 +218,4 @@ TEST_F(SlicingChildren, ThatCanNotBeStartedAnyMoreEndTheDaemonWithWords) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

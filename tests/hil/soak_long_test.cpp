@@ -8,7 +8,7 @@
 
 #include "tests/hil/session_rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using enum PrintState;
@@ -86,4 +86,4 @@ TEST(Soak, ThreeThousandLayersOnThe4kPanel) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

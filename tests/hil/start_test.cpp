@@ -5,7 +5,7 @@
 
 #include "tests/hil/session_rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -242,4 +242,4 @@ TEST(Start, RefusesWhatTheProfileRefuses) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

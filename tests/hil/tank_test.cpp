@@ -6,7 +6,7 @@
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/hil/rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::ElementsAre;
@@ -206,4 +206,4 @@ TEST(LampFan, RunsOnWhileTheLampIsStuckOn) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that each file includes only what its folder may: check_includes.py REPOSITORY
+"""Checks that each file includes only what its folder may, and has its folder's namespace: check_includes.py REPOSITORY
 
 Prints file:line and the reason for each violation. Exit status: 0 none, 1 some, 2 no files found.
 """
@@ -64,6 +64,16 @@ ONE_SOURCE_FILE = {
     "libusb.h": "at most",
 }
 
+# Folder -> namespace of its files, which may have another inside.
+NAMESPACES = {
+    "slicer": "plumbline::inline slicer",
+    "hal": "plumbline::inline hal",
+    "hal/linux": "plumbline::inline hal::inline linux_board",
+    "hal/sim": "plumbline::inline hal::inline sim",
+    "firmware": "plumbline::firmware",
+    **{f"firmware/{part}": f"plumbline::firmware::inline {part}" for part in ("archive", "canvas", "page", "pictures", "screen", "settings", "state")},
+}
+
 # The slicer uses no threads except OpenMP's, and no files, devices or clock.
 NOT_IN_SLICER = re.compile(
     r"thread|jthread|mutex|shared_mutex|condition_variable|future|pthread\.h|"
@@ -73,13 +83,14 @@ NOT_IN_SLICER = re.compile(
 
 SOURCES = {".cpp", ".cc", ".c"}
 HEADERS = {".hpp", ".h", ".hh", ".inl"}
+NAMESPACE = re.compile(r"^namespace (plumbline[^{]*?) *\{", re.M)
 INCLUDE = re.compile(r"^\s*#\s*include\s*(?:\"([^\"]*)\"|<([^>]*)>|(\S.*))")
 
 
-def folder_of(path):
-    """The deepest folder of MAY_INCLUDE that holds `path`, or None."""
+def folder_of(path, folders=MAY_INCLUDE):
+    """The deepest of `folders` that holds `path`, or None."""
     parents = [parent.as_posix() for parent in Path(path).parents]
-    return next((parent for parent in parents if parent in MAY_INCLUDE), None)
+    return next((parent for parent in parents if parent in folders), None)
 
 
 def position(parent, path):
@@ -138,6 +149,10 @@ def check(root):
         files += 1
         path = file.relative_to(root).as_posix()
         here = folder_of(path)
+        own = NAMESPACES.get(folder_of(path, NAMESPACES))
+        for found in NAMESPACE.finditer(file.read_text(encoding="utf-8", errors="replace")):
+            if own and found.group(1) != own and not found.group(1).startswith(own + "::"):
+                violations.append(f"{path}:0: namespace {found.group(1)}: its folder's is {own}")
         for number, quoted, angled, other in includes(file):
             at = f"{path}:{number}"
             if other is not None:

@@ -50,6 +50,11 @@ class CheckIncludes(unittest.TestCase):
     def test_a_good_tree_has_no_violations(self):
         self.assertEqual(self.violations({}), [])
 
+    def test_each_folder_has_its_namespace(self):
+        self.assertEqual(self.violations({"hal/good.hpp": "namespace plumbline::inline hal::kms {\n}\n"}), [])
+        self.assert_only({"hal/bad.hpp": "namespace plumbline::inline slicer {\n}\n"},
+                         "hal/bad.hpp:0", "namespace plumbline::inline slicer: its folder's is plumbline::inline hal")
+
     def test_core_includes_nothing_of_ours(self):
         self.assert_only({"slicer/core/bad.hpp": '// why\n\n#include "slicer/cloud/kd_tree.hpp"\n'},
                          "slicer/core/bad.hpp:3", "slicer/core may not include slicer;")

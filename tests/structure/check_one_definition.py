@@ -2,7 +2,7 @@
 """Checks the rule of one definition across the whole program: check_one_definition.py BUILD
 
 Compiles what the programs are made of once more, without optimizing, and lets the linker compare all types and functions (gcc's -flto, -Wodr,
--Wlto-type-mismatch). It sees what check_names.py can't: members that a macro changes, and declarations that differ from their definition.
+-Wlto-type-mismatch).
 
 Prints what gcc says. Exit status: 0 nothing, 1 something, 2 nothing to check.
 """
@@ -18,8 +18,19 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from check_names import ALIAS, CONSTANT, NAMESPACE, NO_CODE, TYPE
-
+# What holds no code: comments, texts, characters, and lines of the preprocessor.
+NO_CODE = re.compile(
+    r"//[^\n]*|/\*.*?\*/|R\"\(.*?\)\"|\"(?:\\.|[^\"\\\n])*\"|(?<!\w)'(?:\\.|[^'\\\n])+'|^[ \t]*#(?:[^\n]*\\\n)*[^\n]*", re.S | re.M
+)
+NAMESPACE = re.compile(r"\bnamespace\s*((?:\w|::|\binline )*)\s*$")
+NAMES = (
+    re.compile(
+        r"(?:^|[>\s])(?:class|struct|union|enum(?:\s+(?:class|struct))?)\s+(?:\[\[[^\]]*\]\]\s*|alignas\([^)]*\)\s*)*(\w+)(?:\s+final)?\s*(?::(?!:)[^;]*)?$", re.S
+    ),
+    re.compile(r"^(?:template\s*<[^;]*>\s*)?using\s+(\w+)\s*=", re.S),
+    re.compile(r"^(?:inline|static|extern|const|constexpr|constinit)\b[^=(){]*?\b(k[A-Z]\w*)\s*(?:\[[^\]]*\]\s*)*(?:$|[={])", re.S),
+    re.compile(r"(\w+)\s*\("),
+)
 OURS = re.compile(r"(slicer|hal|hal/linux|hal/sim|firmware)/CMakeFiles/plumbline_\w+\.dir/")
 MOST_JOINED = 8
 FLAGS = ["-O0", "-g0", "-flto", "-fno-fat-lto-objects"]
@@ -34,9 +45,6 @@ def commands(build):
             yield words, entry["directory"], output
 
 
-FUNCTION = re.compile(r"(\w+)\s*\(")
-
-
 def own_names(source):
     """What a source file has in unnamed namespaces: two files that share one of these names can't be compiled as one."""
     text = NO_CODE.sub("", source.read_text(encoding="utf-8"))
@@ -45,7 +53,7 @@ def own_names(source):
         statement = text[begin : match.start()].strip()
         space = NAMESPACE.search(statement)
         if "" in scopes and None not in scopes and not space:
-            for pattern in (TYPE, ALIAS, CONSTANT, FUNCTION):
+            for pattern in NAMES:
                 found = pattern.search(statement)
                 if found:
                     names.add(found.group(1))

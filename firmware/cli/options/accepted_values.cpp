@@ -7,7 +7,7 @@
 
 #include "firmware/settings/setting_words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::size_t kLongestShown = 40;
@@ -69,4 +69,4 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
       "");
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Accepts finite numbers from `low` to `high`. The message tells a comma from a point, and asks for the number alone if a
 /// unit was given.
@@ -19,4 +19,4 @@ CLI::Validator whole_number_from(unsigned long long low, unsigned long long high
 /// Accepts these words.
 CLI::Validator one_of(const std::vector<std::string>& words);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

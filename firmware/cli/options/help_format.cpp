@@ -1,6 +1,6 @@
 #include "firmware/cli/options/help_format.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 std::string HelpFormat::make_option_opts(const CLI::Option* option) const {
   std::string text;
@@ -28,4 +28,4 @@ std::string HelpFormat::make_option_usage(const CLI::Option* positional) const {
   return positional->get_required() ? name : "[" + name + "]";
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// CLI11's layout with lines of at most 120 characters, and without the lists of options that need or exclude each other:
 /// the message about a wrong combination names them.
@@ -17,4 +17,4 @@ class HelpFormat final : public CLI::Formatter {
   std::string make_option_usage(const CLI::Option* positional) const override;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "slicer/checks/issue.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::array kUnits = {Units::kMillimetres, Units::kCentimetres, Units::kMetres, Units::kInches, Units::kAuto};
@@ -274,4 +274,4 @@ void add_look_options(CLI::App& app, JobOptions& job, std::string& picture, cons
   add_program_options(app, job);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -8,7 +8,7 @@
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/support_choice.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Headings of `--help`.
 inline constexpr const char* kPrinterGroup = "Printer and layers";
@@ -43,4 +43,4 @@ void add_look_options(CLI::App& app, JobOptions& job, std::string& picture, cons
 /// "--support-head-width" for support_head_width.
 std::string option_name(const SupportField& field);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 #include "firmware/settings/setting_words.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// In quotes, so that a sentence can begin with it.
@@ -82,4 +82,4 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   return name + ": " + said + (said.ends_with('?') ? "" : ".") + help + "lists the options.";
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// One sentence that names what was given and what is accepted, with the nearest known word if one is near, and where
 /// to read more. An unknown word comes first, since it often causes the error that CLI11 found: `--outptu out` also lacks
@@ -12,4 +12,4 @@ namespace plumbline {
 /// @param app  as its parse() left it
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

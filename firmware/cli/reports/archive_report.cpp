@@ -8,7 +8,7 @@
 #include "slicer/core/words/plural.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Status write_archive_report(OutputFile& out, const LayerArchive& archive, const std::string& name,
                             const JobSetup& setup, const std::string& refusal) {
@@ -62,4 +62,4 @@ void write_archive_report(JsonWriter& json, const LayerArchive& archive, const s
   json.end_object();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -8,7 +8,7 @@
 #include "firmware/io/text/json_writer.hpp"
 #include "firmware/settings/job_options.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// @param refusal  why the printer can't print it; empty: it can, or there is no printer
 Status write_archive_report(OutputFile& out, const LayerArchive& archive, const std::string& name,
@@ -16,4 +16,4 @@ Status write_archive_report(OutputFile& out, const LayerArchive& archive, const 
 void write_archive_report(JsonWriter& json, const LayerArchive& archive, const std::string& name, const JobSetup& setup,
                           const std::string& refusal);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -18,7 +18,7 @@
 #include "slicer/reader/formats/format_probe.hpp"
 #include "slicer/source_checks.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using Text = FixedText<2 * kMaxPath>;
@@ -314,4 +314,4 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   json.end_object();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "slicer/inspect.hpp"
 #include "slicer/plan/memory_plan.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The expected result of slicing a scan, on a printer or in a grid that fits the object.
 struct ScanOutlook {
@@ -52,4 +52,4 @@ ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& pla
 /// As one JSON object, with lengths in mm unless a key says "scan_units".
 void write_outlook(JsonWriter& json, const ScanOutlook& outlook);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -3,7 +3,7 @@
 #include "firmware/io/output_file.hpp"
 #include "firmware/pictures/preview/preview.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// @param draw  called with the pixels of a page
@@ -32,4 +32,4 @@ Status write_issues_file(const std::string& path, const CheckedMasks& masks, con
   });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/mask_decoder.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct CheckedMasks {
   std::string name;  ///< of the scan or stack
@@ -20,4 +20,4 @@ struct CheckedMasks {
 [[nodiscard]] Status write_issues_file(const std::string& path, const CheckedMasks& masks, const RRep& rrep,
                                        const Supports& supports, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "firmware/print/job/print_plan.hpp"
 #include "firmware/settings/print_profile.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 std::string PrintTime::text() const {
   constexpr auto kHour = std::chrono::minutes(60);
@@ -32,4 +32,4 @@ std::optional<PrintTime> estimate_print_time(const BoardFile& board, std::uint32
   return PrintTime{print_time(*plan), profile->name};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

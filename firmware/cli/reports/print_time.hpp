@@ -8,7 +8,7 @@
 
 #include "firmware/settings/board_file.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct PrintTime {
   std::chrono::nanoseconds time{};
@@ -22,4 +22,4 @@ struct PrintTime {
 /// @returns nothing if the board file describes no machine, or if its profile is missing or can't print these layers
 std::optional<PrintTime> estimate_print_time(const BoardFile& board, std::uint32_t layers, double layer_height_mm);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

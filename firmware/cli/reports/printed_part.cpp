@@ -12,7 +12,7 @@
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// The cured part as an R-Rep: the pixels that differ from the layer below.
@@ -168,4 +168,4 @@ Status write_printed_part(JobDirectory& directory, const Witness& witness, Print
   return directory.finish(*manifest);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

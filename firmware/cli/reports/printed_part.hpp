@@ -6,7 +6,7 @@
 #include "firmware/slice/job_directory.hpp"
 #include "slicer/core/arena.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Checks, before the print, that the folder has room for the part, by the masks' sizes.
 /// @pre the session is ready to print
@@ -21,4 +21,4 @@ namespace plumbline {
 [[nodiscard]] Status write_printed_part(JobDirectory& directory, const Witness& witness, PrintSession& session,
                                         Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

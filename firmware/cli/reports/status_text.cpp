@@ -8,7 +8,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/text/json_cursor.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// 0 if it is null, no number, or not there.
@@ -208,4 +208,4 @@ std::string status_line(std::string_view state) {
   return json_text(fault, "code") + ", " + json_text(fault, "title") + ". " + json_text(fault, "remedy");
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

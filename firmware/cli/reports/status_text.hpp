@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A text of an object's member; empty if it is null, no text, or not there.
 std::string json_text(std::string_view object, std::string_view key);
@@ -18,4 +18,4 @@ std::string prints_page(std::string_view state);
 /// One line: "printing layer 12 of 1184, 2 h 10 min left", or a fault and what to do.
 std::string status_line(std::string_view state);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Longest single wait. No command waits longer, and no watchdog of over a second is kept waiting: one second of a simulated machine may
@@ -53,4 +53,4 @@ Expected<std::optional<Event>> ServiceEvents::do_next_event(TimePoint deadline) 
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "firmware/state/state_socket.hpp"
 #include "hal/events.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The firmware waits only here, and looks here for buttons while it computes, so each call shows that it is alive. A separate
 /// thread would keep reporting life after the work hung.
@@ -41,4 +41,4 @@ class ServiceEvents final : public Events {
   Uploads* uploads_ = nullptr;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

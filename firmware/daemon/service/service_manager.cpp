@@ -15,7 +15,7 @@
 
 #include "slicer/core/numbers/to_number.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 std::optional<std::int64_t> number(std::string_view text) {
@@ -119,4 +119,4 @@ void ServiceManager::alive() {
 
 void ServiceManager::stopping() { static_cast<void>(send("STOPPING=1", Urgency::kMustArrive)); }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Takes nothing from the heap once it is made. Move-only.
 class ServiceManager {
@@ -53,4 +53,4 @@ class ServiceManager {
   FixedText<256> status_;  ///< the last one sent
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -1,6 +1,6 @@
 #include "firmware/daemon/service/service_status.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 FixedText<200> service_status(const PrintReport& report) {
   FixedText<200> text;
@@ -15,4 +15,4 @@ FixedText<200> service_status(const PrintReport& report) {
   return text;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -11,7 +11,7 @@
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Whether an operating system has made the folder: for its own files, or as its bin.
@@ -136,4 +136,4 @@ Error about_foreign(std::string_view name, const ForeignFormat& format) {
       .tell({format.kind.code, {}, name});
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

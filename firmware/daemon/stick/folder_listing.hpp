@@ -15,7 +15,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/reader/formats/foreign_formats.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What is left of ListingLimits.
 class ListingBudget {
@@ -77,4 +77,4 @@ bool is_mostly_other(std::string_view name);
 
 Error about_foreign(std::string_view name, const ForeignFormat& format);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

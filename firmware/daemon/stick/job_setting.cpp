@@ -11,7 +11,7 @@
 #include "firmware/settings/print_values.hpp"
 #include "slicer/core/numbers/to_number.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 tl::unexpected<Error> refused(std::string_view key, std::string_view value, const char* allowed) {
@@ -146,4 +146,4 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
           static_cast<int>(key.size()), key.data()));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 ScanFeed::ScanFeed(std::span<StickFile> files) {
   const std::size_t share = bytes_.size() / files.size();
@@ -70,4 +70,4 @@ Expected<bool> ScanFeed::pump(Pipe& pipe) {
   return false;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 #include "firmware/io/descriptor.hpp"
 #include "hal/stick_port.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// On a board the child reads the files itself. In simulation reading takes virtual time, so the bytes go through a pipe.
 class ScanFeed {
@@ -44,4 +44,4 @@ class ScanFeed {
   std::array<std::byte, 65536> bytes_{};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 
 #include "firmware/io/scan_names.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::array<std::string_view, 16> kSides = {"front",  "back", "rear",  "left",  "right",  "top",
@@ -79,4 +79,4 @@ std::vector<std::vector<std::size_t>> find_series(std::span<const std::string> n
   return several;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

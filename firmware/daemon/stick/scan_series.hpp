@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What the names of a series have in common: the name with `#` for its last number and `@` for each side ("front", "back", "left", ... also
 /// in German) that is a word of its own. "Bust_front_01.ply" becomes "bust_@_#.ply".
@@ -18,4 +18,4 @@ std::string series_of(std::string_view name);
 /// @param names  file names without folders, sorted
 std::vector<std::vector<std::size_t>> find_series(std::span<const std::string> names);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

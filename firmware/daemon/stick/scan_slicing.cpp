@@ -8,7 +8,7 @@
 #include "firmware/io/interrupt.hpp"
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -201,4 +201,4 @@ Error ScanSlicing::pulled_or_bad(const StickMount& mount, const Error& error) {
   return error;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "hal/machine.hpp"
 #include "slicer/core/arena.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A child that shows no sign of life for this long is killed, and so is one whose progress has not risen for ten times as long. A child
 /// that works is silent for 8 s at most, while it builds a tree of 1,000,000 points on a Cortex-A53. A stick that does not answer delays
@@ -101,4 +101,4 @@ class ScanSlicing {
   HostClock::time_point risen_at_;   ///< which was then
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "firmware/settings/settings_file.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Keys of the size, and their texts.
@@ -153,4 +153,4 @@ Expected<std::vector<StickFile>> open_scan(const StickJob& job, const StickMount
   return files;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

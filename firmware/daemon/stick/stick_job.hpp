@@ -13,7 +13,7 @@
 #include "hal/stick_port.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct StickJob : JobSettings {
   std::vector<std::string>
@@ -52,4 +52,4 @@ Error as_setting_error(const Error& error);
 /// @retval the errors of StickMount::open()
 [[nodiscard]] Expected<std::vector<StickFile>> open_scan(const StickJob& job, const StickMount& mount);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

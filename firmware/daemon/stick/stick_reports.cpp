@@ -8,7 +8,7 @@
 #include "firmware/io/wall_clock.hpp"
 #include "hal/process/report_folder.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::size_t kPrinterBytes = 32;  ///< of its name, at most
@@ -88,4 +88,4 @@ Expected<StoredReports> store_reports(StickPort& stick, const KeptPrints& prints
   return stored;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

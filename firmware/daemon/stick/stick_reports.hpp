@@ -8,7 +8,7 @@
 #include "hal/stick_port.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct StoredReports {
   bool asked = false;     ///< the stick has the folder kReportFolder
@@ -23,4 +23,4 @@ struct StoredReports {
 [[nodiscard]] Expected<StoredReports> store_reports(StickPort& stick, const KeptPrints& prints,
                                                     std::string_view printer);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 Error about_inner_job(const std::string& name) {
@@ -215,4 +215,4 @@ Expected<StickScans> list_scans(const StickMount& mount, std::string_view folder
   return scans;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -15,7 +15,7 @@
 #include "hal/stick_port.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A scan, a mesh or a sliced print; or scans of one folder that are parts of one, as their names say: see scan_series.hpp.
 struct StickEntry {
@@ -77,4 +77,4 @@ std::string_view parent_of(std::string_view folder);
     const StickMount& mount, std::string_view folder = {},
     const std::function<Status()>& look = [] { return Status(); }, const ListingLimits& limits = {});
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

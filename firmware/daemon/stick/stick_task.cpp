@@ -14,7 +14,7 @@
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/settings_file.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 Expected<StickJob> read_job(const ScanRequest& request) {
@@ -126,4 +126,4 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
   return job;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -8,7 +8,7 @@
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/reader/formats/foreign_formats.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::size_t kLongestName = 79;
@@ -58,4 +58,4 @@ FixedText<80> upload_name_of(std::string_view file_name) {
   return name;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

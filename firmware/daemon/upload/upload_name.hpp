@@ -5,7 +5,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Whether a name that somebody sent may become that of a file in the printer's store: a plain file name of at most 79 letters, digits,
 /// spaces and `._-()+`, which begins with none of ` .-`, and ends like a scan, a mesh or a sliced archive.
@@ -17,4 +17,4 @@ namespace plumbline {
 /// kind of file it is does not matter here.
 FixedText<80> upload_name_of(std::string_view file_name);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

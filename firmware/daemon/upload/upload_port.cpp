@@ -7,7 +7,7 @@
 
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 tl::unexpected<Error> none() { return fail(ErrorCode::kNoStick, "no scan has been uploaded:\tupload one"); }
@@ -45,4 +45,4 @@ Status UploadPort::do_check_mounted() const {
       fail(ErrorCode::kStickGone, "another scan was uploaded meanwhile:\tstart that one, or upload this one again"));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -3,7 +3,7 @@
 #include "firmware/daemon/upload/upload_store.hpp"
 #include "hal/stick_port.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The interlock that StickPort asks for. It stands for no device, since uploads are files of the printer.
 struct UploadPortPower {
@@ -31,4 +31,4 @@ class UploadPort final : private UploadPortPower, public StickPort {
   std::uint32_t mounted_ = 0;  ///< UploadStore::kept_count() then
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -14,7 +14,7 @@
 #include "firmware/print/job/job_store.hpp"
 #include "slicer/core/numbers/mib.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kIncoming = ".incoming";
@@ -182,4 +182,4 @@ void UploadStore::drop() {
   static_cast<void>(::unlinkat(folder_.get(), kIncoming, 0));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -16,7 +16,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class UploadStore {
  public:
@@ -72,4 +72,4 @@ class UploadStore {
   std::uint32_t kept_count_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "firmware/daemon/upload/upload_name.hpp"
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::chrono::minutes kFirstMinute{1};
@@ -174,4 +174,4 @@ void Uploads::tell(HostClock::time_point now) {
   record_.upload->received = received_;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -14,7 +14,7 @@
 #include "firmware/state/printer_record.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Times by the host's clock.
 struct UploadTimes {
@@ -82,4 +82,4 @@ class Uploads {
   std::array<std::byte, std::size_t{64} * 1024> bytes_{};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -1,6 +1,6 @@
 #include "firmware/io/text/base64.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -41,4 +41,4 @@ std::optional<std::size_t> read_base64(std::string_view text, std::span<std::byt
   return at;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

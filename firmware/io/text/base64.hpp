@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// @returns characters written; none: they are more than `out` holds
 std::optional<std::size_t> write_base64(std::span<const std::byte> bytes, std::span<char> out);
@@ -14,4 +14,4 @@ std::optional<std::size_t> write_base64(std::span<const std::byte> bytes, std::s
 /// @returns bytes written; none: the text is not base64, or `out` is too small
 std::optional<std::size_t> read_base64(std::string_view text, std::span<std::byte> out);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

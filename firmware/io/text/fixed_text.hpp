@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// At most Capacity - 1 characters and a terminator. Longer text is cut, and cut() returns true.
 template <std::size_t Capacity>
@@ -60,4 +60,4 @@ inline FixedText<24> three_digits(double value) {
   return text;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

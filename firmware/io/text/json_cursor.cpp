@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Far more than any document of ours has; a bound, because each level takes some stack.
@@ -217,4 +217,4 @@ std::optional<std::string_view> json_member(std::string_view object, std::string
   return std::nullopt;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

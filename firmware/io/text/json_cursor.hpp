@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A place in a JSON text. Each call skips white space, then either takes a whole value and moves behind it, or leaves the place as it
 /// is and says that it did not.
@@ -42,4 +42,4 @@ class JsonCursor {
 /// @param key  without characters that JSON escapes
 std::optional<std::string_view> json_member(std::string_view object, std::string_view key);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 
 #include "firmware/io/text/json_writer.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A key of an object that is made from a T, and the function that writes its value.
 template <class T>
@@ -71,4 +71,4 @@ void object(JsonWriter& json, const T& from) {
   write_object(json, fields, std::invoke(of, from));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

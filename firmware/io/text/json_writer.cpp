@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::string_view kHexDigits = "0123456789abcdef";
@@ -125,4 +125,4 @@ Status JsonWriter::finish() {
   return status_;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -15,7 +15,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Rounds to three decimals, as the state and the reports show figures and seconds.
 inline double thousandths(double value) { return std::round(value * 1000) / 1000; }
@@ -135,4 +135,4 @@ class JsonWriter {
 
 constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

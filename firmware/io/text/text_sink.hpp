@@ -6,7 +6,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Takes text piece by piece.
 class TextSink {
@@ -41,4 +41,4 @@ class TextBuffer final : public TextSink {
   std::size_t size_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
@@ -52,4 +52,4 @@ bool is_same_origin(std::string_view host, std::string_view origin) {
   });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -5,7 +5,7 @@
 
 #include "firmware/settings/board_file.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 /// Whether a request's Host is a name of this machine. With DNS rebinding it is not: somebody else's name then leads to this machine.
 ///   local    localhost, 127.0.0.1, [::1]
@@ -18,4 +18,4 @@ bool is_known_host(std::string_view host, PageChoice page, std::string_view page
 /// @param origin  empty, "null" and anything that is no origin: false
 bool is_same_origin(std::string_view host, std::string_view origin);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 /// What stands before an IPv4 address.
@@ -53,4 +53,4 @@ FixedText<52> text_of(const ClientAddress& address) {
   return out;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

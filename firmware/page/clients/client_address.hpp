@@ -8,7 +8,7 @@
 
 struct sockaddr;
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 /// An IPv4 address as ::ffff:a.b.c.d. Of an IPv6 address the first 64 bits: whoever has one of a network's has as many as they like.
 struct ClientAddress {
@@ -22,4 +22,4 @@ ClientAddress client_address(const sockaddr* address);
 /// "192.168.1.7", "2001:db8:1:2::/64"
 FixedText<52> text_of(const ClientAddress& address);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

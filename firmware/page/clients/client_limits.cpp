@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 const ClientLimits::Client* ClientLimits::find(const ClientAddress& address) const {
   const auto* const known = std::find_if(clients_.begin(), clients_.end(),
@@ -66,4 +66,4 @@ bool ClientLimits::is_flooding(const ClientAddress& address, HostClock::time_poi
   return known != nullptr && !is_paired(*known, now) && known->requests.in_debt(now);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

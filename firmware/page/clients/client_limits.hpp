@@ -10,7 +10,7 @@
 #include "firmware/io/token_bucket.hpp"
 #include "firmware/page/clients/client_address.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 class ClientLimits {
  public:
@@ -62,4 +62,4 @@ class ClientLimits {
   TokenBucket all_{kAllRequests};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

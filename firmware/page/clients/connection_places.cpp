@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 template <class Counts>
@@ -38,4 +38,4 @@ PlaceChoice choose_place(std::span<const HeldPlace> held, const ClientAddress& a
   return {.is_let_in = worst.has_value(), .ends = worst};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -8,7 +8,7 @@
 
 #include "firmware/page/clients/client_address.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 /// A connection that is open.
 struct HeldPlace {
@@ -39,4 +39,4 @@ struct PlaceChoice {
 PlaceChoice choose_place(std::span<const HeldPlace> held, const ClientAddress& address, bool is_paired,
                          const PlaceLimits& limits = {});
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

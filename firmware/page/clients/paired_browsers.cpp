@@ -11,7 +11,7 @@
 
 #include "firmware/io/hash64.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 template <class Bytes>
@@ -118,4 +118,4 @@ bool PairedBrowsers::forget(std::uint32_t number) {
   return true;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -13,7 +13,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 /// 32 hexadecimal digits.
 using PageToken = FixedText<33>;
@@ -74,4 +74,4 @@ class PairedBrowsers {
   Descriptor kept_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -7,7 +7,7 @@
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/page/clients/paired_browsers.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 namespace {
 
 PageCode new_page_code() {
@@ -140,4 +140,4 @@ void PairingCodes::give_up(const Asker& asker) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

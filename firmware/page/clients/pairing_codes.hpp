@@ -15,7 +15,7 @@
 #include "firmware/page/clients/client_limits.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline page {
 
 /// 6 decimal digits.
 using PageCode = FixedText<8>;
@@ -96,4 +96,4 @@ class PairingCodes {
   unsigned void_codes_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline page

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 void Picture::blend(std::int64_t column, std::int64_t row, const Rgb& colour, float cover) const {
   if (column < 0 || row < 0 || column >= columns || row >= rows) return;
   std::uint8_t* pixel = &rgb[3 * (static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column))];
@@ -39,4 +39,4 @@ void draw_text(const Picture& picture, std::int64_t left, std::int64_t top, std:
                             });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

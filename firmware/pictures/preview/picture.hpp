@@ -8,7 +8,7 @@
 
 #include "firmware/canvas/face.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 using Rgb = std::array<std::uint8_t, 3>;  ///< red, green, blue
 
@@ -33,4 +33,4 @@ struct LabelStyle {
 void draw_text(const Picture& picture, std::int64_t left, std::int64_t top, std::string_view text,
                const LabelStyle& style);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

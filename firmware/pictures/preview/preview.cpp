@@ -9,7 +9,7 @@
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/pictures/preview/preview_views.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 using namespace preview;
 
@@ -70,4 +70,4 @@ Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewTex
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

@@ -12,7 +12,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 inline constexpr std::uint32_t kPreviewColumns = 1600;  ///< pixels
 inline constexpr std::uint32_t kPreviewRows = 900;      ///< pixels
@@ -54,4 +54,4 @@ template <class Draw>
   return encoder.encode(*memory, kPreviewColumns, kPreviewRows);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

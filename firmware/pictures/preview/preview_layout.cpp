@@ -2,7 +2,7 @@
 
 #include "firmware/pictures/preview/preview_section.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 
 Extent find_extent(const RRep& rrep, std::span<std::uint64_t> words) {
   Extent extent{rrep.grid.columns, 0, rrep.grid.rows, 0, rrep.grid.layers, 0};
@@ -69,4 +69,4 @@ Layout lay_out(const Extent& extent, const PrintGrid& grid, const Page& page, Vi
   return layout;
 }
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

@@ -10,7 +10,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 
 /// A picture and the area for the views on it, pixels.
 struct Page {
@@ -77,4 +77,4 @@ struct Layout {
 /// Chooses the largest scale at which the views fit the page.
 Layout lay_out(const Extent& extent, const PrintGrid& grid, const Page& page, Views views);
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

@@ -8,7 +8,7 @@
 #include "firmware/pictures/preview/preview_layout.hpp"
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 
 enum class Beside : std::uint8_t { kFront, kBack, kLeft };
 
@@ -69,4 +69,4 @@ class NearestSolid {
   Beside from_;
 };
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

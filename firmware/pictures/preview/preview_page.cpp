@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 namespace {
 
 constexpr Rgb kSkyColour{46, 53, 63}, kFloorColour{70, 79, 91};
@@ -26,4 +26,4 @@ const PageFaces& page_faces() {
   return kFaces;
 }
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

@@ -6,7 +6,7 @@
 
 #include "firmware/pictures/preview/picture.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 
 inline constexpr Rgb kInk{236, 232, 224}, kPaleInk{158, 168, 180};
 /// Of the object and of its supports.
@@ -22,4 +22,4 @@ struct PageFaces {
 /// Made by the first call, which takes their memory from the heap.
 const PageFaces& page_faces();
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

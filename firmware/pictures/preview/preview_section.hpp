@@ -8,7 +8,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 
 /// The section of each layer in turn, before its mask is opened and closed.
 class Section {
@@ -45,4 +45,4 @@ void for_each_span(const Supports& supports, const Strut& strut, std::uint32_t l
   for_each_strut_span(supports.pitch, strut, layer, grid.columns, grid.rows, visit);
 }
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

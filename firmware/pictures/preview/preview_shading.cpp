@@ -8,7 +8,7 @@
 
 #include "slicer/core/numbers/lanes.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 namespace {
 
 /// Rise from one sample to the next above which they are of two surfaces: of 84 degrees.
@@ -288,4 +288,4 @@ void shade_depth(const DepthMap& map, std::span<float> scratch, const Picture& p
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

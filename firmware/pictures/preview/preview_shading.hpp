@@ -9,7 +9,7 @@
 
 #include "firmware/pictures/preview/picture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 /// Distance of the object from the viewer's plane, rows from the top. Depths are in samples of the map, so that a slope of 1 is
 /// 45 degrees.
@@ -48,4 +48,4 @@ inline constexpr std::size_t kMostSamples = 3200;
 void shade_depth(const DepthMap& map, std::span<float> scratch, const Picture& picture, std::int64_t left,
                  std::int64_t top, std::span<const Rgb> materials);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

@@ -6,7 +6,7 @@
 
 #include "slicer/core/numbers/lanes.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 namespace {
 
 /// Slope up to which two samples belong to one surface: 81 degrees. Steeper steps are edges and stay sharp.
@@ -124,4 +124,4 @@ void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

@@ -5,7 +5,7 @@
 
 #include "firmware/pictures/preview/preview_shading.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware::inline pictures {
 
 /// A voxel as a view sees it, in samples of the map.
 struct VoxelSize {
@@ -18,4 +18,4 @@ struct VoxelSize {
 /// @param scratch  as many as map.depth
 void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize& voxel);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware::inline pictures

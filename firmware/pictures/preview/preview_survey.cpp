@@ -7,7 +7,7 @@
 #include "firmware/pictures/preview/preview_nearest.hpp"
 #include "firmware/pictures/preview/preview_section.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 namespace {
 
 /// Cells on a side of the map of the highest surfaces. The picture has 1600 pixels, so more cells would not show.
@@ -195,4 +195,4 @@ void survey(const RRep& rrep, const Supports& supports, const Extent& extent, co
                      : surveyor.draw_wall(map, side == Side::kFront ? Beside::kFront : Beside::kLeft);
 }
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

@@ -12,7 +12,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 
 /// Pixels from one cell of the map of highest surfaces to the next, a power of two.
 std::uint32_t height_step(const PrintGrid& grid);
@@ -34,4 +34,4 @@ enum class Side : std::uint8_t { kFront, kSide, kTop };
 void survey(const RRep& rrep, const Supports& supports, const Extent& extent, const Layout& layout,
             const SurveyScratch& scratch, Side side, const DepthMap& map);
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

@@ -9,7 +9,7 @@
 #include "firmware/pictures/preview/preview_survey.hpp"
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 namespace {
 
 constexpr const char* kStage = "preview";
@@ -137,4 +137,4 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
   return std::optional<Layout>(layout);
 }
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

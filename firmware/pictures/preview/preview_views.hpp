@@ -10,7 +10,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline::preview {
+namespace plumbline::firmware::inline pictures::preview {
 
 /// Bytes that draw_views() takes from the top of the arena and releases.
 std::size_t views_bytes(const PrintGrid& grid, const Page& page, Views views);
@@ -22,4 +22,4 @@ std::size_t views_bytes(const PrintGrid& grid, const Page& page, Views views);
 [[nodiscard]] Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& supports, const Page& page,
                                                          Views views, Arena& arena, const Picture& picture);
 
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::inline pictures::preview

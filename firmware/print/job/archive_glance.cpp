@@ -7,7 +7,7 @@
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/print/job/sliced_archive.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kStage = "archive picture";
@@ -85,4 +85,4 @@ Status draw_archive_picture(LayerArchive& archive, const PrinterVolume& printer,
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/placement/placement.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Draws the archive's thumbnail, or a coarse print of some of its layers, seen from the front, if it has none.
 /// @param printer  whose pixels the layers are said to have, if the archive does not say how wide its panel is
@@ -18,4 +18,4 @@ namespace plumbline {
 [[nodiscard]] Status draw_archive_picture(LayerArchive& archive, const PrinterVolume& printer, Arena& arena,
                                           ScanPicture& picture);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

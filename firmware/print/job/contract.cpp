@@ -11,7 +11,7 @@
 #include "slicer/core/words/plural.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 double seconds_in(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
@@ -226,4 +226,4 @@ FixedText<160> size_line(const Contract& contract) {
   return text;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

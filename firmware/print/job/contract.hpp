@@ -17,7 +17,7 @@
 #include "slicer/core/words/told.hpp"
 #include "slicer/rrep/point_proof.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class JsonWriter;
 
@@ -87,4 +87,4 @@ void for_each_contract_line(const Contract& contract, const std::function<void(s
 /// "30.0 x 20.1 x 59.5 mm, 1190 layers, 12.3 ml, 185 min"
 FixedText<160> size_line(const Contract& contract);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

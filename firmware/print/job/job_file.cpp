@@ -11,7 +11,7 @@
 #include "firmware/io/hash64.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Change the version whenever the stored data change, JobFacts, Contract and PrintPlan included.
@@ -165,4 +165,4 @@ Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& ar
   return job;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

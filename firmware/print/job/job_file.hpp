@@ -19,7 +19,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Everybody may read what is stored; only the daemon may write it.
 constexpr mode_t kFileMode = 0644;
@@ -83,4 +83,4 @@ struct StoredJob {
 /// @retval ErrorCode::kOutOfMemory, kCannotRead
 [[nodiscard]] Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -14,7 +14,7 @@
 
 #include "firmware/io/hash64.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kJob = "job";
@@ -189,4 +189,4 @@ Expected<JobStore::Interrupted> JobStore::load(Arena& arena) {
   return Interrupted{.job = *job, .journal = std::move(*journal), .archive = std::move(archive)};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

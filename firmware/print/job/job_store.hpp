@@ -17,7 +17,7 @@
 #include "slicer/core/byte_source.hpp"
 #include "slicer/core/function_ref.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class JobStore {
  public:
@@ -88,4 +88,4 @@ class JobStore {
   Descriptor folder_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

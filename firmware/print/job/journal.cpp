@@ -11,7 +11,7 @@
 #include "firmware/io/hash64.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::uint32_t kJournalMagic = 0x334A4C50;  // "PLJ3"
@@ -234,4 +234,4 @@ Status Journal::store(std::size_t copy, std::size_t slot, const JournalEntry& en
               "the journal can't be written: the storage did not keep what it was given.\tReplace the storage");
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -20,7 +20,7 @@
 #include "hal/units.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The medium of a journal. An interface, so that a test can cut the power inside a write.
 class JournalStorage {
@@ -118,4 +118,4 @@ class Journal {
   bool failed_ = false;         ///< append() has failed
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

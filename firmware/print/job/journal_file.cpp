@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Moves all bytes with `move(bytes, offset)`, which is pread() or pwrite().
@@ -53,4 +53,4 @@ Status JournalFile::sync() {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -3,7 +3,7 @@
 #include "firmware/io/descriptor.hpp"
 #include "firmware/print/job/journal.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A journal's storage, or another record's, in a file: pread, pwrite, fdatasync. Short and interrupted calls are continued.
 class JournalFile final : public JournalStorage {
@@ -26,4 +26,4 @@ class JournalFile final : public JournalStorage {
   const char* what_ = "the journal";
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -15,7 +15,7 @@
 
 #include "firmware/io/hash64.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kFolder = "prints";
@@ -289,4 +289,4 @@ Expected<KeptPrints::Got> KeptPrints::read(std::uint32_t number, Part part, std:
   return Got{static_cast<std::size_t>(got), place->bytes};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

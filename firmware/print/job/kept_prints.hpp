@@ -20,7 +20,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What lists of prints show. Stored byte for byte.
 struct KeptPrint {
@@ -104,4 +104,4 @@ class KeptPrints {
   std::uint32_t newest_ = 0;  ///< the highest number there is, even if its print can't be read
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

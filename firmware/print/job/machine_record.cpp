@@ -13,7 +13,7 @@
 
 #include "firmware/io/hash64.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr const char* kMachine = "machine";
@@ -278,4 +278,4 @@ Expected<bool> has_interrupted_print(JobStore& store, MachineRecord& machine) {
   return true;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

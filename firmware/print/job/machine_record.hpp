@@ -28,7 +28,7 @@
 #include "hal/thermals.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// How much resin the masks of a print take.
 struct ResinScale {
@@ -177,4 +177,4 @@ class MachineRecord {
 /// @retval the errors of JobStore::end() and MachineRecord::take_plate()
 [[nodiscard]] Expected<bool> has_interrupted_print(JobStore& store, MachineRecord& machine);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

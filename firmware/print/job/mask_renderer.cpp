@@ -4,7 +4,7 @@
 
 #include "firmware/io/mask_hash.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using Row = std::span<const std::uint64_t>;
@@ -77,4 +77,4 @@ Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, BitImage out) {
   return facts;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// One mask's facts. Times are the processor's: the machine's clock may be virtual.
 struct MaskFacts {
@@ -50,4 +50,4 @@ class MaskRenderer {
 /// @param scratch  3 rows of the image's stride
 void erode(BitImage image, std::uint32_t steps, std::span<std::uint64_t> scratch);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

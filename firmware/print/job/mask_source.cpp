@@ -2,7 +2,7 @@
 
 #include "firmware/io/mask_hash.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<ArchiveMasks> ArchiveMasks::create(int file, std::string_view name, const PrintGrid& grid,
                                             std::span<const ArchiveLayer> layers, const MaskTurn& turn,
@@ -22,4 +22,4 @@ Expected<ConstBitImage> ArchiveMasks::mask(std::uint32_t layer) {
   return ConstBitImage(image_);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class MaskSource {
  public:
@@ -87,4 +87,4 @@ class ArchiveMasks final : public MaskSource {
   BitImage image_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 #include "hal/ramp.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 Distance size_of(Distance distance) { return std::max(distance, -distance); }
@@ -173,4 +173,4 @@ Expected<PlanRun> check_plan(const PrintPlan& plan, std::string_view name, const
   return run;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

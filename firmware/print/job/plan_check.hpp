@@ -6,7 +6,7 @@
 
 #include "firmware/print/job/print_plan.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// How far a layer that the stage's steps make may be from the plan's, of the planned height: with constant light the dose in a
 /// volume of resin is off by as much.
@@ -28,4 +28,4 @@ struct PlanRun {
 /// @retval ErrorCode::kDoesNotFit       a move ends above the stage's highest point
 [[nodiscard]] Expected<PlanRun> check_plan(const PrintPlan& plan, std::string_view name, const MachineFile& machine);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "hal/z_stage.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 nanoseconds seconds(double value) { return nanoseconds(std::llround(value * 1e9)); }
@@ -277,4 +277,4 @@ double resin_cost(const PrintProfile& profile, double ml) {
   return profile.bottle_volume > 0 ? profile.bottle_cost * ml / profile.bottle_volume : 0;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

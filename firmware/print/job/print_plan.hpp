@@ -19,7 +19,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/resin/foot_shrink.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A move of the Z stage.
 struct StageMove {
@@ -115,4 +115,4 @@ double resin_ml(std::uint64_t cured_pixels, double pitch_x_mm, double pitch_y_mm
 /// Cost in the profile's currency; 0 if the profile has no bottle volume.
 double resin_cost(const PrintProfile& profile, double ml);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/rrep/mask_extent.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 ContractSubject subject(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings) {
@@ -90,4 +90,4 @@ Expected<Printable> slice_printable(ScanSources scan, const SliceSettings& setti
   return made;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -13,7 +13,7 @@
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/slicer.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct Printable {
   JobFacts facts;
@@ -60,4 +60,4 @@ Printable printable_of(const SlicedArchive& sliced, std::string_view name, std::
                                                   const PrintProfile& profile, const MachineFile& machine, Arena& arena,
                                                   ProgressSink* progress);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

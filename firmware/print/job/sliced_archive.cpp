@@ -16,7 +16,7 @@
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 Status check_layers(LayerArchive& archive, const CheckLimits& limits, SlicedArchive& sliced,
@@ -189,4 +189,4 @@ RRep LayerCrossings::rrep(const PrintGrid& grid) const {
   return {.grid = grid, .first = first_, .pixel = pixel_.first(count_), .is_exact = true};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -18,7 +18,7 @@
 #include "slicer/rrep/mask_extent.hpp"
 #include "slicer/rrep/rrep.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct SlicedArchive {
   PrintGrid grid;
@@ -79,4 +79,4 @@ class LayerCrossings {
   bool fits_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "slicer/support_building.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Makes a mask what the print shows of it.
@@ -93,4 +93,4 @@ Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& sett
   return sliced;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

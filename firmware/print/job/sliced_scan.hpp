@@ -13,7 +13,7 @@
 #include "slicer/slicer.hpp"
 #include "slicer/supports/support_finder.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct SlicedScan {
   RRep rrep;          ///< at the bottom of the arena
@@ -35,4 +35,4 @@ struct SlicedScan {
                                                    const std::optional<SupportSettings>& supports, Arena& arena,
                                                    ProgressSink* progress, SliceReport& report);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Measured doses that are off by more, as a share, end the print. A trade-off: resins forgive about as much.
@@ -85,4 +85,4 @@ LayerFinding check_dose(const ExposureReport& exposure, Dose expected, std::uint
   return found;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -11,7 +11,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/words/told.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct LayerFinding {
   FaultCode fault = FaultCode::kNone;  ///< kNone: all is well
@@ -43,4 +43,4 @@ inline constexpr double kDoseNoted = 0.01;
 /// @returns kDoseOff or kNone
 LayerFinding check_dose(const ExposureReport& exposure, Dose expected, std::uint32_t layer);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 Expected<bool> PlateMoves::finish(Motion motion) {
   const auto over = watch_.wait_for(motion);
@@ -69,4 +69,4 @@ Expected<bool> PlateMoves::raise(std::uint32_t layer, const StageMove& to) {
   return move(to);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "firmware/print/job/print_plan.hpp"
 #include "firmware/print/loop/print_watch.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Moves of the plate during a print. Each returns false if a request interrupted it; the plate has then stopped short.
 /// Errors are those of ZStage.
@@ -40,4 +40,4 @@ class PlateMoves {
   std::optional<ZPosition> homed_from_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/core/words/plural.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Share of a layer's height by which layers may differ without a word.
@@ -173,7 +173,7 @@ Status PrintChecks::check_temperatures() {
     return {};
   }
   const double lamp = (*found)[0].value(), resin = (*found)[1].value(), board = (*found)[2].value();
-  const LayerFinding finding = plumbline::check_temperatures(*found, settings_, false);
+  const LayerFinding finding = firmware::check_temperatures(*found, settings_, false);
   const bool good = finding.fault == FaultCode::kNone;
   check.detail.add(
       "lamp %.1f degrees C, at most %.0f allowed; resin %.1f degrees C, %.0f to %.0f allowed; board %.1f "
@@ -218,4 +218,4 @@ void PrintChecks::conclude_failed(Check check, const Error& error) {
   conclude(check, CheckOutcome::kFailed, fault_of(error.code()));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "hal/machine.hpp"
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class PrintChecks {
  public:
@@ -60,4 +60,4 @@ class PrintChecks {
   Check failed_ = Check::kMemory;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

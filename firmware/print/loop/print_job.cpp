@@ -12,7 +12,7 @@
 #include "firmware/print/loop/tank_fill.hpp"
 #include "firmware/print/status/print_state.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// How often a waiting print reads its switches and updates its observer. Shorter responds faster, longer spares the processor.
@@ -646,4 +646,4 @@ PrintReport run_print(Machine& machine, const PrintSettings& settings, MaskRende
   return PrintJob(machine, settings, masks, journal, record, exposures, observer).run(from);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

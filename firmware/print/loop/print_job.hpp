@@ -16,7 +16,7 @@
 #include "firmware/print/status/print_report.hpp"
 #include "hal/machine.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Prints until a state at rest. Errors become the report's fault. Takes nothing from the heap.
 /// @param machine    all devices
@@ -30,4 +30,4 @@ PrintReport run_print(Machine& machine, const PrintSettings& settings, MaskRende
                       MachineRecord& record, std::span<ExposureLine> exposures, PrintObserver& observer,
                       const std::optional<JournalEntry>& from);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 #include "hal/thermals.hpp"
 #include "hal/units.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The plan of a print, with the printer's limits and the job's facts that the checks and the print need.
 struct PrintSettings {
@@ -34,4 +34,4 @@ struct PrintSettings {
   double needed_ml() const { return static_cast<double>(cured_pixels) * pixel_ml + first_layer_more_ml; }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -1,6 +1,6 @@
 #include "firmware/print/loop/print_watch.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 void PrintWatch::request_if_it_matters(PrintEvent event, Request request) {
   if (next(state_, event) != state_) this->request(request);
@@ -48,4 +48,4 @@ Expected<bool> PrintWatch::wait(nanoseconds time) {
   return !interrupted();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

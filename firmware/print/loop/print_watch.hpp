@@ -10,7 +10,7 @@
 #include "hal/await.hpp"
 #include "hal/machine.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Requests to a print, in order of urgency.
 enum class Request : std::uint8_t {
@@ -66,4 +66,4 @@ class PrintWatch {
   Request pending_ = Request::kNone;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

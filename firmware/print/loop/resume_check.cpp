@@ -3,7 +3,7 @@
 #include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 bool stage_confirms(const JournalEntry& last, const PrintPlan& plan, std::optional<ZPosition> found, Distance drift) {
   if (last.next_layer == plan.layers) return true;  // the plate is only raised
@@ -45,4 +45,4 @@ Spoken question_about(const JournalEntry& last) {
   return question;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -11,7 +11,7 @@
 #include "firmware/print/status/print_observer.hpp"
 #include "hal/units.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// @param last   of the journal
 /// @param found  where the stage stood before it was homed; nothing: not known
@@ -25,4 +25,4 @@ Spoken doubt_about(const JournalEntry& last, std::optional<ZPosition> found);
 /// What the user must measure and answer by start or cancel.
 Spoken question_about(const JournalEntry& last);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Share of a full tank that the plate does not reach. A trade-off: a smaller share risks layers without resin, a larger one asks too early.
@@ -41,4 +41,4 @@ Spoken fill_question(std::optional<double> left_ml, double fill_ml) {
   return question;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 
 #include "firmware/print/status/print_observer.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Resin that the plate can reach, ml; none of none. The last of a tank no longer flows under the plate.
 /// @param left_ml  in the tank; none: unknown
@@ -21,4 +21,4 @@ bool needs_filling(std::optional<double> left_ml, double needed_ml, double tank_
 /// "0.2 ml of resin are left: fill the tank to 1.0 ml, close the cover, then press start"
 Spoken fill_question(std::optional<double> left_ml, double fill_ml);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

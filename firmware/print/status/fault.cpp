@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cctype>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 FixedText<16> to_string(FaultCode code) {
   FixedText<16> text;
@@ -75,4 +75,4 @@ FaultCode fault_of(ErrorCode code) {
   return FaultCode::kFirmware;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

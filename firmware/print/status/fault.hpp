@@ -8,7 +8,7 @@
 #include "firmware/messages/catalogue.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// The number is the code: kLampStuckOn is PL-301. Numbers are never reused.
 enum class FaultCode : std::uint16_t {
@@ -73,4 +73,4 @@ FaultText explain(FaultCode code, std::string_view finding, std::string_view adv
 /// The fault that an error of the slicer, a device or a file becomes.
 FaultCode fault_of(ErrorCode code);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Between two drawings on a terminal: often enough for a person, rarely enough to cost the print little.
@@ -141,4 +141,4 @@ void PrintLines::clear() {
   if (show_ != Show::kNothing && terminal_) erase_line();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

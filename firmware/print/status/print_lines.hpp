@@ -6,7 +6,7 @@
 
 #include "firmware/print/status/print_observer.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 class PrintLines final : public PrintObserver {
  public:
@@ -48,4 +48,4 @@ Told told_note(const PrintStatus& status);
 /// "2 h 05 min", "3 min 20 s", "45 min": whole seconds below 10 min, else minutes.
 FixedText<24> duration_text(nanoseconds time);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include "hal/units.hpp"
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// What a print has heard or waits for, beside its state.
 enum class PrintNote : std::uint8_t {
@@ -55,4 +55,4 @@ class PrintObserver {
   virtual void checked(Check check, const CheckResult& result) = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "slicer/core/numbers/median.hpp"
 #include "slicer/core/words/plural.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 void PrintReport::add(const ExposureLine& exposure) {
   if (exposures.size() == room.size()) {
@@ -74,4 +74,4 @@ void for_each_warning(const PrintReport& report, const std::function<void(const 
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -15,7 +15,7 @@
 #include "hal/units.hpp"
 #include "hal/uv_lamp.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 enum class Check : std::uint8_t {
   kMemory,        ///< the print's share of the arena
@@ -118,4 +118,4 @@ MaskFigures mask_figures(std::span<const ExposureLine> exposures, std::span<nano
 /// Passes each sentence that the user should read to `tell`.
 void for_each_warning(const PrintReport& report, const std::function<void(const Told&, std::string_view)>& tell);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 LightState on_if(bool on) { return on ? LightState::kOn : LightState::kOff; }
@@ -89,4 +89,4 @@ void show_on_panel(FrontPanel& panel, PrintState state) {
   }
   if (calls_the_user(state)) static_cast<void>(panel.beep(std::chrono::seconds(1)));
 }
-}  // namespace plumbline
+}  // namespace plumbline::firmware

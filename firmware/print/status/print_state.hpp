@@ -8,7 +8,7 @@
 
 #include "hal/front_panel.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 enum class PrintState : std::uint8_t {
   kIdle,         ///< waits for a job
@@ -231,4 +231,4 @@ bool calls_the_user(PrintState state);
 /// reason to end a print.
 void show_on_panel(FrontPanel& panel, PrintState state);
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

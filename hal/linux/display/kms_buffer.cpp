@@ -8,7 +8,7 @@
 
 #include "hal/linux/display/kms_search.hpp"
 
-namespace plumbline::kms {
+namespace plumbline::inline hal::inline linux_board::kms {
 
 Expected<Buffer> Buffer::create(int card, std::uint32_t width, std::uint32_t height, std::uint32_t bits) {
   const bool narrow = bits == 16;
@@ -49,4 +49,4 @@ Buffer::~Buffer() {
   static_cast<void>(::drmIoctl(data_.card, DRM_IOCTL_MODE_DESTROY_DUMB, &destroy));
 }
 
-}  // namespace plumbline::kms
+}  // namespace plumbline::inline hal::inline linux_board::kms

@@ -7,7 +7,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline::kms {
+namespace plumbline::inline hal::inline linux_board::kms {
 
 /// A "dumb buffer" of XRGB8888 or RGB565, mapped for good and black at first. Move-only; its card must stay open.
 class Buffer {
@@ -39,4 +39,4 @@ class Buffer {
   } data_;
 };
 
-}  // namespace plumbline::kms
+}  // namespace plumbline::inline hal::inline linux_board::kms

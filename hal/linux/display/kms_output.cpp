@@ -3,7 +3,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace plumbline::kms {
+namespace plumbline::inline hal::inline linux_board::kms {
 
 std::uint32_t Output::property(std::uint32_t object, std::uint32_t type, const char* name) const {
   const Properties all(::drmModeObjectGetProperties(card(), object, type));
@@ -116,4 +116,4 @@ Output::~Output() {
   if (atomic_) static_cast<void>(::drmModeDestroyPropertyBlob(card(), atomic_->mode_blob));
 }
 
-}  // namespace plumbline::kms
+}  // namespace plumbline::inline hal::inline linux_board::kms

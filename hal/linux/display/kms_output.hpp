@@ -8,7 +8,7 @@
 #include "hal/linux/display/kms_search.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline::kms {
+namespace plumbline::inline hal::inline linux_board::kms {
 
 /// Uses atomic requests if the driver has them, else the older calls. The destructor restores what the panel showed before.
 class Output {
@@ -52,4 +52,4 @@ class Output {
   Crtc former_;
 };
 
-}  // namespace plumbline::kms
+}  // namespace plumbline::inline hal::inline linux_board::kms

@@ -12,7 +12,7 @@
 #include "hal/linux/display/kms_buffer.hpp"
 #include "hal/linux/display/kms_output.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 using namespace kms;
 
@@ -160,4 +160,4 @@ Status KmsPanel::flip() { return device_->flip(); }
 std::chrono::nanoseconds KmsPanel::frame() const { return device_->frame(); }
 CardInUse KmsPanel::card() const { return device_->card(); }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

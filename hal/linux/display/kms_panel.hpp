@@ -11,7 +11,7 @@
 #include "hal/wiring.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// The display found, for people.
 struct DisplayFinding {
@@ -65,4 +65,4 @@ class KmsPanel {
   std::unique_ptr<Device> device_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

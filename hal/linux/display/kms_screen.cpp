@@ -6,7 +6,7 @@
 #include "hal/linux/display/kms_buffer.hpp"
 #include "hal/linux/display/kms_output.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 using namespace kms;
 
@@ -70,4 +70,4 @@ std::span<std::byte> KmsScreen::memory() const { return std::as_writable_bytes(d
 std::size_t KmsScreen::pitch() const { return device_->buffer().pitch() * sizeof(std::uint32_t); }
 Status KmsScreen::send() { return device_->send(); }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -11,7 +11,7 @@
 #include "hal/wiring.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class KmsScreen {
  public:
@@ -41,4 +41,4 @@ class KmsScreen {
   std::unique_ptr<Device> device_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-namespace plumbline::kms {
+namespace plumbline::inline hal::inline linux_board::kms {
 namespace {
 
 std::string connector_name(const drmModeConnector& connector) {
@@ -130,4 +130,4 @@ std::string driver_of(int card) {
   return name;
 }
 
-}  // namespace plumbline::kms
+}  // namespace plumbline::inline hal::inline linux_board::kms

@@ -14,7 +14,7 @@
 #include "hal/linux/display/kms_panel.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline::kms {
+namespace plumbline::inline hal::inline linux_board::kms {
 
 template <auto Free>
 struct Freed {
@@ -78,4 +78,4 @@ std::string driver_of(int card);
 /// @param reason  an errno
 tl::unexpected<Error> panel_failed(const char* what, int reason);
 
-}  // namespace plumbline::kms
+}  // namespace plumbline::inline hal::inline linux_board::kms

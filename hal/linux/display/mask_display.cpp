@@ -4,7 +4,7 @@
 
 #include "hal/linux/events/clock.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 LinuxMaskDisplay::LinuxMaskDisplay(const PanelLayout& layout, KmsPanel panel, std::chrono::nanoseconds settling,
                                    Interlock& interlock)
@@ -38,4 +38,4 @@ Status LinuxMaskDisplay::do_blank() {
   return flip_and_settle();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

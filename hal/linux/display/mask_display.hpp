@@ -7,7 +7,7 @@
 #include "hal/linux/display/pack_pixels.hpp"
 #include "hal/mask_display.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class LinuxMaskDisplay final : public MaskDisplay {
  public:
@@ -29,4 +29,4 @@ class LinuxMaskDisplay final : public MaskDisplay {
   std::size_t lent_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

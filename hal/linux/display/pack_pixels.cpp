@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 constexpr std::uint32_t kWhite = 0x00FFFFFF;
@@ -79,4 +79,4 @@ void pack_pixels(const PanelLayout& layout, ConstBitImage mask, std::span<std::u
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -8,7 +8,7 @@
 #include "hal/panel_layout.hpp"
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Writes a mask as XRGB8888, little endian: a pixel that lets light through is 255 in its colour, or in all three without packing.
 /// Writes each byte of the rows once, in order, and reads none, because display memory is slow to read.
@@ -18,4 +18,4 @@ namespace plumbline {
 /// @param pitch   words a row, layout.mode_width() or more; the rest of a row becomes black
 void pack_pixels(const PanelLayout& layout, ConstBitImage mask, std::span<std::uint32_t> pixels, std::size_t pitch);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -3,7 +3,7 @@
 #include <cerrno>
 #include <ctime>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 nanoseconds monotonic_now() {
   timespec now{};
@@ -25,4 +25,4 @@ Status LinuxClock::do_sleep_until(TimePoint deadline) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -3,7 +3,7 @@
 
 #include "hal/clock.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// CLOCK_MONOTONIC, which the kernel also uses for GPIO edges and the keeper for its messages.
 nanoseconds monotonic_now();
@@ -17,4 +17,4 @@ class LinuxClock final : public Clock {
   Status do_sleep_until(TimePoint deadline) override;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

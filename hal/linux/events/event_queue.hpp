@@ -7,7 +7,7 @@
 
 #include "hal/events.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Fixed capacity. Devices report with a delay, so a new event may be older than one that is already queued.
 class EventQueue {
@@ -39,4 +39,4 @@ class EventQueue {
   std::size_t count_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

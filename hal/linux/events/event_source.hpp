@@ -4,7 +4,7 @@
 #include <chrono>
 #include <optional>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class EventSource {
  public:
@@ -21,4 +21,4 @@ class EventSource {
   virtual void drain(std::chrono::nanoseconds now) = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

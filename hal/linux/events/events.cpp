@@ -7,7 +7,7 @@
 
 #include "hal/linux/events/clock.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 void LinuxEvents::add(EventSource& source) {
   assert(count_ < kMaxSources);
@@ -46,4 +46,4 @@ Expected<std::optional<Event>> LinuxEvents::do_next_event(TimePoint deadline) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -7,7 +7,7 @@
 #include "hal/linux/events/event_queue.hpp"
 #include "hal/linux/events/event_source.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class LinuxEvents final : public Events {
  public:
@@ -30,4 +30,4 @@ class LinuxEvents final : public Events {
   std::size_t count_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -2,7 +2,7 @@
 
 #include <sched.h>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 bool set_real_time_priority(int priority) {
   sched_param parameters{};
@@ -10,4 +10,4 @@ bool set_real_time_priority(int priority) {
   return ::sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

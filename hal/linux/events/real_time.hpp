@@ -1,7 +1,7 @@
 #pragma once
 /// What a thread needs to meet its deadlines. Needs permission.
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Runs the calling thread before all threads of lower or no real-time priority (SCHED_FIFO).
 /// @param priority  1 to 99
@@ -12,4 +12,4 @@ bool set_real_time_priority(int priority);
 inline constexpr int kKeeperPriority = 50;
 inline constexpr int kStagePriority = 40;
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

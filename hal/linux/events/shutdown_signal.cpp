@@ -3,7 +3,7 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 ShutdownSignal::ShutdownSignal(EventQueue& events) : events_(events) {
   sigset_t signals;
@@ -23,4 +23,4 @@ void ShutdownSignal::drain(std::chrono::nanoseconds now) {
   while (::read(file_, &signal, sizeof signal) == sizeof signal) events_.add(EventKind::kShutdownRequested, now);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

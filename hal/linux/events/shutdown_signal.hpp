@@ -6,7 +6,7 @@
 #include "hal/linux/events/event_queue.hpp"
 #include "hal/linux/events/event_source.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// While it lives, SIGTERM becomes EventKind::kShutdownRequested, so that a print can end in order. Make it before starting threads,
 /// which inherit the blocked signal. SIGINT is unaffected.
@@ -24,4 +24,4 @@ class ShutdownSignal final : public EventSource {
   int file_ = -1;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

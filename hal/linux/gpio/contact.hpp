@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Accepts "on" at the first contact and "off" once the line has been off for kBounceTime: an opened cover and a pressed button
 /// must not wait, and each must be reported once. Times are CLOCK_MONOTONIC.
@@ -51,4 +51,4 @@ class Contact {
   std::optional<Time> off_since_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

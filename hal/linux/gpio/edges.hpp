@@ -1,7 +1,7 @@
 #pragma once
 /// Reads the changes of an input line.
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// The kernel buffers this many changes of a line and drops further ones.
 inline constexpr int kKernelEdges = 16;
@@ -20,4 +20,4 @@ bool for_each_edge(Line& line, See see) {
   return false;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 constexpr const char* kConsumer = "plumbline";
@@ -152,4 +152,4 @@ std::optional<InputLine::Edge> InputLine::next_edge() noexcept {
               std::chrono::seconds(event.ts.tv_sec) + std::chrono::nanoseconds(event.ts.tv_nsec)};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

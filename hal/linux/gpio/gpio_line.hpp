@@ -15,7 +15,7 @@
 
 struct gpiod_line;
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Looks a line up without requesting it.
 /// @param use  "the lamp", for messages
@@ -85,4 +85,4 @@ class InputLine {
   int events_ = -1;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -2,7 +2,7 @@
 
 #include "hal/linux/gpio/gpio_line.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 tl::unexpected<Error> absent(const std::string& use) {
@@ -34,4 +34,4 @@ Expected<InputLine> InputLine::open(const LinePlace& /*place*/, const LineSettin
 std::optional<bool> InputLine::on() const noexcept { return std::nullopt; }
 std::optional<InputLine::Edge> InputLine::next_edge() noexcept { return std::nullopt; }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

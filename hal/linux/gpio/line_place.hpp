@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 struct LinePlace {
   std::string chip;  ///< "gpiochip0"
@@ -13,4 +13,4 @@ struct LinePlace {
   bool operator==(const LinePlace&) const = default;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

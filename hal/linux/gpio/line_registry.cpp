@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 Status LineRegistry::claim(const LinePlace& place, const std::string& use) {
   const auto taken =
@@ -15,4 +15,4 @@ Status LineRegistry::claim(const LinePlace& place, const std::string& use) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -7,7 +7,7 @@
 #include "hal/linux/gpio/line_place.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Filled while the devices are opened. The kernel would report a second use only as "busy".
 class LineRegistry {
@@ -24,4 +24,4 @@ class LineRegistry {
   std::vector<Claim> claims_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <optional>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Levels are logical; the line knows which voltage means open.
 class CoverLine {
@@ -27,4 +27,4 @@ class CoverLine {
   virtual int descriptor() const = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

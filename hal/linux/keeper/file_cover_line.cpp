@@ -5,7 +5,7 @@
 
 #include "hal/linux/events/clock.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 // O_RDWR: a FIFO without a writer would always be readable, at end of file.
 FileCoverLine::FileCoverLine(const std::string& path) : file_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {}
@@ -21,4 +21,4 @@ std::optional<CoverLine::Edge> FileCoverLine::next_edge() noexcept {
   return Edge{open_, monotonic_now()};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

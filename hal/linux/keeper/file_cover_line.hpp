@@ -5,7 +5,7 @@
 
 #include "hal/linux/keeper/cover_line.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Closed at first. Each byte that arrives is a change: 'o' opens, 'c' closes.
 class FileCoverLine final : public CoverLine {
@@ -24,4 +24,4 @@ class FileCoverLine final : public CoverLine {
   bool open_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

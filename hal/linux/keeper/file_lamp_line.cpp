@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 constexpr std::size_t kLongestChange = 48;  // bytes
@@ -51,4 +51,4 @@ bool FileLampLine::set(bool lit) noexcept {
   return true;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -5,7 +5,7 @@
 
 #include "hal/linux/keeper/lamp_line.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Appends a line of text for each change: "on 123456789" or "off 123456789", with CLOCK_MONOTONIC in ns.
 ///
@@ -27,4 +27,4 @@ class FileLampLine final : public LampLine {
   bool lit_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

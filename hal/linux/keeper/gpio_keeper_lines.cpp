@@ -5,7 +5,7 @@
 
 #include "slicer/core/numbers/to_number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 constexpr std::string_view kGpio = "gpio";
@@ -44,4 +44,4 @@ std::optional<LineOption> parse_line_option(std::string_view text) {
   return option;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -9,7 +9,7 @@
 #include "hal/linux/keeper/cover_line.hpp"
 #include "hal/linux/keeper/lamp_line.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class GpioLampLine final : public LampLine {
  public:
@@ -46,4 +46,4 @@ struct LineOption {
 /// Parses what line_option() wrote. @returns nothing for any other text
 std::optional<LineOption> parse_line_option(std::string_view text);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

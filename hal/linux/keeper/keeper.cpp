@@ -21,7 +21,7 @@
 #include "hal/linux/keeper/silence.hpp"
 #include "hal/linux/keeper/wake_lock.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 /// The timer fires this long before an exposure's end; from there the keeper spins. A scheduler may wake a process late, on a slow
@@ -262,4 +262,4 @@ int keep_lamp(const KeeperDuty& duty) {
   return 0;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

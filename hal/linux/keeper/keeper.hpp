@@ -8,7 +8,7 @@
 #include "hal/linux/keeper/light_budget.hpp"
 #include "hal/linux/keeper/watchdog.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// What the keeper holds and whom it serves.
 struct KeeperDuty {
@@ -32,4 +32,4 @@ struct KeeperDuty {
 /// @returns exit status: 0, or 1 if timer, signals or process could not be watched; then nothing was lit
 int keep_lamp(const KeeperDuty& duty);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -9,7 +9,7 @@
 #include "hal/linux/keeper/file_lamp_line.hpp"
 #include "hal/linux/keeper/gpio_keeper_lines.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 constexpr std::string_view kFile = "file:";
@@ -51,4 +51,4 @@ Expected<std::unique_ptr<CoverLine>> open_cover_line(std::string_view text) {
   return std::make_unique<GpioCoverLine>(std::move(*line));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -8,7 +8,7 @@
 #include "hal/linux/keeper/lamp_line.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// @param text  of line_option(), or "file:PATH"
 /// @retval ErrorCode::kBadSetting  another text
@@ -18,4 +18,4 @@ namespace plumbline {
 /// The same for the cover. @returns null if the text is empty: the printer has no switch
 [[nodiscard]] Expected<std::unique_ptr<CoverLine>> open_cover_line(std::string_view text);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

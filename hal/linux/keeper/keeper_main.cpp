@@ -22,7 +22,7 @@
 #include "hal/linux/keeper/keeper_protocol.hpp"
 #include "hal/process/process_memory.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 struct CommandLine {
@@ -100,7 +100,7 @@ int run(const CommandLine& options) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board
 
 int main(int argc, char** argv) {
   const auto options = plumbline::parse(argc, argv);

@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 enum class KeeperWord : std::uint32_t {
   kLight = 1,
@@ -49,4 +49,4 @@ using KeeperPing = std::uint64_t;
 inline constexpr int kKeeperSocket = 3;
 inline constexpr int kKeeperWatchSocket = 4;
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

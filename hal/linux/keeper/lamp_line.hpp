@@ -1,7 +1,7 @@
 #pragma once
 /// The wire that turns the lamp on, held by the keeper.
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Levels are logical; the line knows which voltage lights the lamp. Off when constructed and when destroyed.
 class LampLine {
@@ -15,4 +15,4 @@ class LampLine {
   virtual bool set(bool lit) noexcept = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// From the board file. The keeper refuses more, whatever the firmware asks for.
 struct LightLimits {
@@ -67,4 +67,4 @@ class LightBudget {
   LightLimits limits_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -6,7 +6,7 @@
 
 #include <csignal>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 // By number: C libraries older than Debian 12's lack the functions.
 ProcessHandle::ProcessHandle(pid_t process) : file_(static_cast<int>(::syscall(SYS_pidfd_open, process, 0))) {}
@@ -22,4 +22,4 @@ bool ProcessHandle::await_end(std::chrono::milliseconds time) const {
   return ::poll(&fd, 1, static_cast<int>(time.count())) == 1;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

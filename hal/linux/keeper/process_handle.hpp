@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class ProcessHandle {
  public:
@@ -27,4 +27,4 @@ class ProcessHandle {
   int file_ = -1;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

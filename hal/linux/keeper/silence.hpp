@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// How often the firmware pings the keeper, and after how many ticks without a word each of them acts.
 struct WatchPace {
@@ -50,4 +50,4 @@ class Silence {
   bool heard_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

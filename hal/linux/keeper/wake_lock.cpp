@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 WakeLock::WakeLock() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)), waits_(::epoll_create1(EPOLL_CLOEXEC)) {
   epoll_event event{};
@@ -31,4 +31,4 @@ void WakeLock::release() noexcept {
   if (::read(event_, &count, sizeof count) > 0) static_cast<void>(::epoll_wait(waits_, &event, 1, 0));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

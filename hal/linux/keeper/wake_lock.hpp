@@ -1,7 +1,7 @@
 #pragma once
 /// Keeps a board awake that sleeps whenever nothing holds it.
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// A wake-up event that is not handled while the lock is held (EPOLLWAKEUP): the same as a line in /sys/power/wake_lock, on kernels
 /// with and without that file. It stops autosleep, and suspends that ask /sys/power/wakeup_count first. It needs CAP_BLOCK_SUSPEND
@@ -21,4 +21,4 @@ class WakeLock {
   int waits_ = -1;  ///< epoll
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

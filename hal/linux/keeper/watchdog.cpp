@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 constexpr std::string_view kFile = "file:";
@@ -56,4 +56,4 @@ void Watchdog::disarm() noexcept {
   ::close(std::exchange(file_, -1));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -8,7 +8,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Runs from the moment it is opened, also when this object is destroyed. Move-only.
 class Watchdog {
@@ -34,4 +34,4 @@ class Watchdog {
   int file_ = -1;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -18,7 +18,7 @@
 #include "hal/linux/keeper/keeper_protocol.hpp"
 #include "hal/linux/keeper/silence.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 using std::chrono::milliseconds;
@@ -143,4 +143,4 @@ void KeeperGuard::take_line() {
   changed_.notify_all();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -12,7 +12,7 @@
 #include "hal/linux/keeper/lamp_line.hpp"
 #include "hal/linux/keeper/process_handle.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Pings the keeper from a thread of its own with real-time priority, so a busy main loop delays no ping. If the keeper does not
 /// answer, it is killed. If it is gone, its line is taken, turned off and held, because a released line keeps its level.
@@ -66,4 +66,4 @@ class KeeperGuard {
   std::thread thread_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -18,7 +18,7 @@
 
 #include "hal/linux/keeper/keeper_protocol.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 /// Two connected sockets. `theirs` is above kKeeperWatchSocket, because spawn() copies sockets to the numbers up to there.
@@ -235,4 +235,4 @@ std::optional<LampKeeper::Notice> LampKeeper::next_notice() {
   return oldest;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

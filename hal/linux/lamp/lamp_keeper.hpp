@@ -14,7 +14,7 @@
 #include "hal/linux/lamp/keeper_guard.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 struct KeeperMessage;
 
@@ -98,4 +98,4 @@ class LampKeeper {
   std::size_t notice_count_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -5,7 +5,7 @@
 #include "hal/linux/events/clock.hpp"
 #include "hal/linux/keeper/keeper_lines.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 /// For a keeper that was killed to leave the kernel, and for its line to be taken: milliseconds on any board that still works.
@@ -94,4 +94,4 @@ void LampWatch::drain(Time now) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -7,7 +7,7 @@
 #include "hal/linux/events/event_source.hpp"
 #include "hal/linux/lamp/lamp_keeper.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class LampWatch final : public EventSource {
  public:
@@ -54,4 +54,4 @@ class LampWatch final : public EventSource {
   Time dark_at_{};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

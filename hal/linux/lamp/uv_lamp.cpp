@@ -2,7 +2,7 @@
 
 #include "hal/linux/events/clock.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 Expected<TimePoint> LinuxUvLamp::do_begin(nanoseconds cure) {
   watch_.drain(monotonic_now());
@@ -54,4 +54,4 @@ Expected<ExposureReport> LinuxUvLamp::do_report() {
   return report;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

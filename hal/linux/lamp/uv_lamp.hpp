@@ -4,7 +4,7 @@
 #include "hal/linux/lamp/lamp_watch.hpp"
 #include "hal/uv_lamp.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class LinuxUvLamp final : public UvLamp {
  public:
@@ -24,4 +24,4 @@ class LinuxUvLamp final : public UvLamp {
   nanoseconds asked_{};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cstring>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 /// Widens to 8 bits a channel, so that 0 stays 0 and the highest value 255.
@@ -49,4 +49,4 @@ void pack_screen(const ScreenLayout& layout, std::span<const std::uint16_t> pixe
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

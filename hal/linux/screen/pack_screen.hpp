@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 struct ScreenLayout {
   std::uint32_t columns = 0, rows = 0;  ///< of the picture
@@ -31,4 +31,4 @@ ScreenPlace place_in_picture(const ScreenLayout& layout, const ScreenPlace& sent
 void pack_screen(const ScreenLayout& layout, std::span<const std::uint16_t> pixels, std::span<std::byte> out,
                  std::size_t pitch);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

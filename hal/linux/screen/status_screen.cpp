@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 ScreenLayout LinuxStatusScreen::layout_of(const ScreenSettings& settings) {
   return {settings.columns, settings.rows, settings.rotation_deg, settings.bits};
@@ -79,4 +79,4 @@ void LinuxStatusScreen::run_thread() {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

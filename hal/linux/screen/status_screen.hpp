@@ -15,7 +15,7 @@
 #include "hal/status_screen.hpp"
 #include "hal/wiring.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// A thread of its own converts and sends frames: over SPI at 32 MHz the 150 kB of 320 x 240 pixels take 38 ms. A frame that comes while
 /// one is sent replaces any other that waits.
@@ -50,4 +50,4 @@ class LinuxStatusScreen final : public StatusScreen {
   std::thread thread_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

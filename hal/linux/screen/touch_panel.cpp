@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 /// @returns none: the device has no such axis
@@ -72,4 +72,4 @@ std::optional<ScreenPlace> TouchPanel::next() {
   return std::nullopt;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

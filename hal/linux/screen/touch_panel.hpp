@@ -10,7 +10,7 @@
 #include "hal/linux/screen/pack_screen.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Puts the events of a touch together. Pure.
 class TouchReader {
@@ -52,4 +52,4 @@ class TouchPanel {
   TouchReader reader_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -2,7 +2,7 @@
 
 #include "hal/linux/events/clock.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 bool GpioStageLines::step() noexcept {
   // Drivers need up to 1.9 us high and low (A4988: 1 us, DRV8825: 1.9 us). Spin, because going to sleep takes longer.
@@ -20,4 +20,4 @@ std::optional<StageLines::Edge> GpioStageLines::next_edge() noexcept {
   return Edge{edge->on, edge->at};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

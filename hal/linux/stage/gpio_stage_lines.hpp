@@ -4,7 +4,7 @@
 #include "hal/linux/gpio/gpio_line.hpp"
 #include "hal/linux/stage/stage_lines.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class GpioStageLines final : public StageLines {
  public:
@@ -28,4 +28,4 @@ class GpioStageLines final : public StageLines {
   InputLine end_stop_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

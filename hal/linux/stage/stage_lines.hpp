@@ -4,7 +4,7 @@
 #include <chrono>
 #include <optional>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Levels are logical. One thread at a time may use it, except for pressed(), which any thread may call.
 class StageLines {
@@ -31,4 +31,4 @@ class StageLines {
   virtual std::optional<Edge> next_edge() noexcept = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -6,7 +6,7 @@
 #include "hal/linux/events/clock.hpp"
 #include "hal/linux/gpio/edges.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 /// A step counts as late only above this, so that the scheduler's jitter isn't counted at high speeds. Affects the record only.
@@ -118,4 +118,4 @@ StepLegResult StepLegs::run(std::int64_t steps, Speed speed, LegUntil until, Tim
   return result;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

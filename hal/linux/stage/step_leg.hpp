@@ -10,7 +10,7 @@
 #include "hal/ramp.hpp"
 #include "hal/units.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// What ends a leg early.
 enum class LegUntil : std::uint8_t {
@@ -86,4 +86,4 @@ class StepLegs {
   StepRecord record_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -11,7 +11,7 @@
 #include "hal/linux/events/clock.hpp"
 #include "hal/linux/events/real_time.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 constexpr Distance kRelease =
@@ -277,4 +277,4 @@ Status LinuxZStage::find_end_stop() {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

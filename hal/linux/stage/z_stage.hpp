@@ -10,7 +10,7 @@
 #include "hal/linux/stage/step_leg.hpp"
 #include "hal/z_stage.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class LinuxZStage final : public ZStage {
  public:
@@ -91,4 +91,4 @@ class LinuxZStage final : public ZStage {
   std::thread thread_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -23,7 +23,7 @@
 #include "hal/linux/stick/mount_protocol.hpp"
 #include "hal/process/passed_descriptor.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 /// Whether sysfs has the block device below a USB device: .../usb1/1-1/1-1:1.0/host0/target0:0:0/0:0:0:0/block/sda/sda1.
@@ -158,7 +158,7 @@ int run(std::string_view path) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board
 
 int main(int argc, char** argv) {
   if (argc == 2) return plumbline::run(argv[1]);

@@ -18,7 +18,7 @@
 
 #include "hal/process/report_folder.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Where the service plumbline-mount listens.
 inline constexpr const char* kMountSocket = "/run/plumbline-mount/socket";
@@ -31,4 +31,4 @@ struct ReportRequest {
   std::uint64_t from = 0, bytes = 0;            ///< of the descriptor's file
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -8,7 +8,7 @@
 
 #include "hal/linux/events/clock.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 tl::unexpected<Error> no_stick() { return fail(ErrorCode::kNoStick, "no stick:\tplug one in"); }
@@ -117,4 +117,4 @@ Expected<std::size_t> LinuxStickPort::do_read(int file, std::span<std::byte> buf
               std::strerror(reason));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -11,7 +11,7 @@
 #include "hal/linux/stick/usb_sticks.hpp"
 #include "hal/wiring.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 class LinuxStickPort final : public StickPort, public EventSource, private UsbSticks::Listener {
  public:
@@ -59,4 +59,4 @@ class LinuxStickPort final : public StickPort, public EventSource, private UsbSt
   std::uint64_t mounted_arrival_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -18,7 +18,7 @@
 #include "hal/linux/stick/mount_protocol.hpp"
 #include "hal/process/passed_descriptor.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 namespace fs = std::filesystem;
@@ -239,4 +239,4 @@ Expected<bool> store_on_stick(const std::vector<std::string>& nodes, const Stick
   return not_stored(reason);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -6,7 +6,7 @@
 
 #include "hal/stick_port.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Name of a USB device in sysfs, such as "1-1.4": the bus, then the ports from the root on.
 std::string usb_place(unsigned bus, const std::uint8_t* ports, int count);
@@ -39,4 +39,4 @@ std::vector<std::string> block_devices(const std::string& device, const std::str
 [[nodiscard]] Expected<bool> store_on_stick(const std::vector<std::string>& nodes, const StickReport& report,
                                             const std::string& socket);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -11,7 +11,7 @@
 
 #include "hal/linux/stick/stick_volume.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 bool is_mass_storage(libusb_device* device) {
@@ -125,4 +125,4 @@ Expected<UsbSticks> UsbSticks::open(Listener& listener) {
 int UsbSticks::descriptor() const { return context_->descriptor(); }
 void UsbSticks::drain() { context_->drain(); }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -7,7 +7,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Reports arriving and departing USB mass storage, including what is plugged in at the start.
 class UsbSticks {
@@ -40,4 +40,4 @@ class UsbSticks {
   std::unique_ptr<Context> context_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 Expected<NumberFile> NumberFile::open(const std::string& path, Access access) {
   const int file = ::open(path.c_str(), (access == Access::kRead ? O_RDONLY : O_RDWR) | O_CLOEXEC);
@@ -42,4 +42,4 @@ bool NumberFile::write(std::int64_t number) noexcept {
   return ::pwrite(file_, text.data(), size, 0) == static_cast<ssize_t>(size);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -7,7 +7,7 @@
 
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// Stays open, so that reading and writing never allocate. Move-only.
 class NumberFile {
@@ -32,4 +32,4 @@ class NumberFile {
   int file_ = -1;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,4 +167,4 @@ FanHealth LinuxThermals::do_fan_health(Fan fan) const {
   return device ? device->health() : FanHealth::kNotMonitored;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -7,7 +7,7 @@
 #include "hal/linux/thermals/number_file.hpp"
 #include "hal/wiring.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline linux_board {
 
 /// The path of a sensor's file.
 /// @param sysfs  "/sys"
@@ -60,4 +60,4 @@ class LinuxThermals final : public Thermals {
   Devices devices_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline linux_board

@@ -5,7 +5,7 @@
 
 #include "slicer/core/disjoint_sets.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 void Cavities::next_layer(const PartRegions& before_layer, const PartRegions& here_layer, bool first,
                           std::uint32_t layer, double pixel_mm3) {
@@ -70,4 +70,4 @@ void Cavities::next_layer(const PartRegions& before_layer, const PartRegions& he
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -7,7 +7,7 @@
 #include "hal/sim/part/part_regions.hpp"
 #include "slicer/core/resin/peel_force.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// Follows the black regions of the layers from the plate on. Regions that lie above each other are one cavity. A cavity is
 /// *vented* once it meets the outside in any layer; until then it is *sealed*, by the part or by the plate. A sealed cavity that
@@ -58,4 +58,4 @@ class Cavities {
   Trap largest_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

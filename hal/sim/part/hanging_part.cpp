@@ -4,7 +4,7 @@
 #include <cassert>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 bool meet(ConstBitImage a, ConstBitImage b) {
@@ -267,4 +267,4 @@ void HangingPart::remove_lost(std::size_t nth, BitImage stayed) const {
                [&](std::uint32_t region) { return graph_.lost(limbs[region], static_cast<std::uint32_t>(nth)); });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

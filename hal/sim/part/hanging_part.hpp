@@ -12,7 +12,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/resin/peel_force.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// Judges the layers one after another, when each has all its light.
 ///
@@ -119,4 +119,4 @@ class HangingPart {
   std::vector<std::size_t> remembered_at_;  ///< of a layer
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

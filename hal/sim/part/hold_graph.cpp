@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 HoldGraph::HoldGraph() {
   // The plate's two vertices are one: nothing tears between them.
@@ -114,4 +114,4 @@ HoldGraph::Tear HoldGraph::tear_from(std::uint32_t vertex, std::span<const Load>
   return tear;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -7,7 +7,7 @@
 
 #include "slicer/core/regions/max_flow.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// A graph of the part's regions from the plate down, with the strength of each joint between two layers.
 ///
@@ -100,4 +100,4 @@ class HoldGraph : private MaxFlow<HoldGraph> {
   std::vector<double> rest_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

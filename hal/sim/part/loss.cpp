@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdio>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 std::string to_string(const Loss& loss) {
   std::array<char, 160> text{};
@@ -17,4 +17,4 @@ std::string to_string(const Loss& loss) {
   return std::string(text.data(), static_cast<std::size_t>(length));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

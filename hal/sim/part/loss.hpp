@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 enum class LossKind : std::uint8_t {
   kDropped,   ///< a region that touches nothing held
@@ -31,4 +31,4 @@ struct Loss {
 /// "1.234 ml at (12.3, 45.6) mm, layers 40 to 52"
 std::string to_string(const Loss& loss);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -2,7 +2,7 @@
 
 #include "slicer/core/arena.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 void PartRegions::find(ConstBitImage image) {
   LayerRegions::Settings settings{.runs_per_row = 8, .join_white_corners = false, .stage = "simulated part"};
@@ -24,4 +24,4 @@ void PartRegions::find(ConstBitImage image) {
       regions_, begin, [&](std::uint32_t name) -> auto& { return white_[number_[name]]; }));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -10,7 +10,7 @@
 #include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/core/regions/region_shapes.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// LayerRegions with as much memory as the layer needs. White regions are numbered from 0, enclosed black ones from 1; black 0 is the
 /// outside. Pixels are joined at sides.
@@ -59,4 +59,4 @@ void for_each_contact(const PartRegions& a, const PartRegions& b, bool white, Us
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

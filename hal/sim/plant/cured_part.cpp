@@ -4,7 +4,7 @@
 #include <cassert>
 #include <deque>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 bool same_height(ZPosition a, ZPosition b) { return a - b < 1_um && b - a < 1_um; }
@@ -166,4 +166,4 @@ void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, Const
   while (!waiting.empty()) show_first();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -12,7 +12,7 @@
 #include "hal/units.hpp"
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// All light at one height of the plate.
 struct CuredLayer {
@@ -87,4 +87,4 @@ class CuredPart {
   std::vector<std::uint8_t> packed_;   ///< see pack_open_layer()
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

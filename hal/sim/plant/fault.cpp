@@ -7,7 +7,7 @@
 #include "slicer/core/numbers/to_number.hpp"
 #include "slicer/core/words/edit_distance.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 /// "12.5s"
@@ -92,4 +92,4 @@ Expected<Fault> parse_fault(std::string_view all) {
   return fault;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -9,7 +9,7 @@
 #include "hal/clock.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 enum class FaultKind : std::uint8_t {
   kLampStuckOn,
@@ -94,4 +94,4 @@ struct Fault {
 /// @retval ErrorCode::kBadSetting  what is wrong and what is allowed; for an unknown fault, the nearest known one
 [[nodiscard]] Expected<Fault> parse_fault(std::string_view all);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

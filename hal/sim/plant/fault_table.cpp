@@ -2,7 +2,7 @@
 
 #include "hal/sim/plant/fault.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 constexpr FaultMoment kBefore = FaultMoment::kBeforeLayer;
@@ -75,4 +75,4 @@ static_assert(in_order(), "row_of() looks the row up by its kind");
 
 std::span<const FaultRow, kFaultKindCount> fault_table() { return kTable; }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

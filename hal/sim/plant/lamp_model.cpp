@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
@@ -45,4 +45,4 @@ Dose LampModel::take_dose(TimePoint now) {
   return dose;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

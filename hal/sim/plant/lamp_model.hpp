@@ -6,7 +6,7 @@
 #include "hal/clock.hpp"
 #include "hal/units.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 class LampModel {
  public:
@@ -41,4 +41,4 @@ class LampModel {
   double area_ = 0;    ///< integral of the level until mark_, s
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 class LampWire {
  public:
@@ -19,4 +19,4 @@ class LampWire {
   virtual void turn_off() noexcept = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

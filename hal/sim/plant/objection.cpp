@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdio>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 ObjectionKind kind_of(LossKind kind) {
   switch (kind) {
@@ -44,4 +44,4 @@ std::string to_string(const Objection& objection) {
   return text;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -11,7 +11,7 @@
 #include "hal/sim/part/loss.hpp"
 #include "hal/units.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 enum class ObjectionKind : std::uint8_t {
   kMaskChangedUnderLight,  ///< a flip or a blank began while there was light
@@ -47,4 +47,4 @@ struct Objection {
 /// "12.345 s, layer 40, 2.050 mm: dose off: ..."
 std::string to_string(const Objection& objection);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

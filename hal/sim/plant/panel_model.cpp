@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 PanelModel::PanelModel(Timeline& timeline, const Build& build) : timeline_(timeline), build_(build) {
   for (auto& buffer : buffers_) buffer.resize(BitImage::words_needed(build.columns, build.rows), 0);
@@ -48,4 +48,4 @@ ConstBitImage PanelModel::visible() {
   return {torn_, build_.columns, build_.rows};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -9,7 +9,7 @@
 #include "hal/sim/plant/timeline.hpp"
 #include "slicer/core/bit_image.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 class PanelModel {
  public:
@@ -63,4 +63,4 @@ class PanelModel {
   Timeline::Due due_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -4,7 +4,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 constexpr auto kCoverBound = std::chrono::milliseconds(10);  ///< after which UvLamp promises darkness
@@ -294,4 +294,4 @@ void Plant::judge_dose(bool whole) {
 
 void Plant::conclude(JobEnd end) { judge_last_layer(end == JobEnd::kFinished); }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -25,7 +25,7 @@
 #include "hal/uv_lamp.hpp"
 #include "hal/z_stage.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// How the printer is built where the firmware's board file is wrong about it.
 struct BuiltOtherwise {
@@ -221,4 +221,4 @@ class Plant {
   nanoseconds extra_mask_cost_{};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -1,6 +1,6 @@
 #include "hal/sim/plant/plant.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 nanoseconds time_of(double seconds) { return nanoseconds(static_cast<nanoseconds::rep>(seconds * 1e9)); }
@@ -114,4 +114,4 @@ void Plant::apply_to_temperatures(FaultKind kind, bool active, double amount) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

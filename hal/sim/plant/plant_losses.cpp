@@ -2,7 +2,7 @@
 
 #include "hal/sim/plant/plant.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 void Plant::hang_last_layer() {
   const CuredLayer& last = part_.layers().back();
@@ -32,4 +32,4 @@ void Plant::hang_last_layer() {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

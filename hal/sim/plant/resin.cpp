@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 double Resin::cure_depth_mm(Dose dose) const {
   return dose <= critical ? 0 : penetration_mm * std::log(dose / critical);
@@ -13,4 +13,4 @@ nanoseconds Resin::time_to_peel(double area_cm2) const {
   return peel_time + std::chrono::duration_cast<nanoseconds>(more);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -6,7 +6,7 @@
 #include "hal/clock.hpp"
 #include "hal/units.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// A typical resin for 405 nm LCD printers. The figures are of the usual order of magnitude, not of one product.
 struct Resin {
@@ -23,4 +23,4 @@ struct Resin {
   nanoseconds time_to_peel(double area_cm2) const;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 TimePoint after(TimePoint start, Ramp::Seconds time) {
@@ -124,4 +124,4 @@ void StageModel::end(LegEnd how) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -7,7 +7,7 @@
 #include "hal/ramp.hpp"
 #include "hal/sim/plant/timeline.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// What ends a leg early.
 enum class StageSwitch : std::uint8_t {
@@ -100,4 +100,4 @@ class StageModel {
   std::function<void(const LegResult&)> on_rest_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 namespace {
 
 std::size_t index(TemperatureSite site) { return static_cast<std::size_t>(site); }
@@ -52,4 +52,4 @@ FanHealth ThermalModel::fan_health(Fan fan) const {
   return duty_[index(fan)] > 0 && stalled_[index(fan)] ? FanHealth::kStalled : FanHealth::kOk;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -7,7 +7,7 @@
 #include "hal/clock.hpp"
 #include "hal/thermals.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// First order: the lamp approaches room temperature when off, 25 degrees above when lit with its fan, 60 without, with a time
 /// constant of 90 s. Plausible figures, not measured ones: with its fan the lamp stays below lamp_max_c of board/sim2k.toml, without it does not.
@@ -38,4 +38,4 @@ class ThermalModel {
   std::array<bool, kFanCount> stalled_{};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <thread>
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 Timeline::Due Timeline::at(TimePoint time, Action action) {
   const Due due{std::max(time, now_), ++order_};
@@ -41,4 +41,4 @@ void Timeline::leave_call() {
   if (--depth_ == 0 && pace_.computing > 0) left_at_ = HostClock::now();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -9,7 +9,7 @@
 
 #include "hal/clock.hpp"
 
-namespace plumbline {
+namespace plumbline::inline hal::inline sim {
 
 /// How virtual time relates to the host's.
 struct Pace {
@@ -62,4 +62,4 @@ class Timeline {
   int depth_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline hal::inline sim

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Sine and cosine of an angle in degrees, by Taylor series on [-45, 45]. The error is below 1e-16.
 struct SineCosine {
@@ -31,4 +31,4 @@ inline SineCosine sine_cosine(double degrees) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include <arm_neon.h>
 #endif
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Before a function: compiles it once more for machines with wide vectors, and chooses when the program starts. Sanitizers begin
 /// too late for that choice.
@@ -198,4 +198,4 @@ PLUMBLINE_INLINE float smallest(const Lanes& v) {
   return least;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

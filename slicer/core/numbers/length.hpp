@@ -1,7 +1,7 @@
 #pragma once
 /// Lengths with their unit in the type, where they leave the stage that measured them.
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct ScanUnit;    ///< a unit of the scan's own coordinates, whatever its size in mm
 struct Millimetre;  ///< of the print
@@ -24,4 +24,4 @@ class ScanScale {
   double mm_per_unit_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

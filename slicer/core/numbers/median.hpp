@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Standard deviation of normally distributed values, divided by the median of their magnitudes: 1 / 0.6745, the upper
 /// quartile of the normal distribution.
@@ -20,4 +20,4 @@ T median(std::span<T> values) {
   return *middle;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

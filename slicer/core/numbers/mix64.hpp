@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// 2^64 divided by the golden ratio, made odd. Multiples of it, modulo 2^64, spread evenly over all words.
 inline constexpr std::uint64_t kGoldenStep64 = 0x9E3779B97F4A7C15U;
@@ -16,4 +16,4 @@ constexpr std::uint64_t mix64(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

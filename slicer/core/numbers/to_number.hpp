@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Parses a whole text as a decimal number. Nothing if it is none, if anything stands before or after it, or if it doesn't fit into a Number.
 template <class Number>
@@ -15,4 +15,4 @@ std::optional<Number> to_number(std::string_view text) {
   return number;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 using Vec2f = Eigen::Vector2f;
 using Vec3f = Eigen::Vector3f;
@@ -53,4 +53,4 @@ struct Frame {
   Vec3f at(float cosine, float sine) const { return t * cosine + s * sine; }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "checks";
@@ -287,4 +287,4 @@ HoldNetwork::Tear HoldNetwork::tear_from(std::uint32_t body, std::uint32_t& torn
   return tear;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/core/function_ref.hpp"
 #include "slicer/core/regions/max_flow.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A network of what has been printed: *bodies* of regions, and the *joints* between them, each with its strength. Body 0 is the plate.
 /// An *end* is a body with a region in the newest layer, at which the film pulls.
@@ -130,4 +130,4 @@ class HoldNetwork : private MaxFlow<HoldNetwork> {
   std::span<std::uint32_t> torn_;  ///< ends
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

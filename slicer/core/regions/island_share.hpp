@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A region is an island if fewer of its pixels than a quarter are above white ones. With ten of them and a quarter of that share or more,
 /// only if it also has an overhang.
@@ -20,4 +20,4 @@ struct IslandShare {
   }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 
 #include "slicer/core/disjoint_sets.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Calls visit(end) for each run of a row, from left to right, alternately black and white, black first.
@@ -112,4 +112,4 @@ bool LayerRegions::label(ConstBitImage mask) {
   return true;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Regions of one layer, as runs of pixels. Black pixels are joined at sides, white ones at sides and, unless the settings
 /// say otherwise, at corners. Black pixels at the border belong to one region, the outside. The index of its first run names
@@ -133,4 +133,4 @@ void for_each_contact(const LayerRegions& below, const LayerRegions& above, Use 
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// What an undirected graph can carry from loads to vertex 0, the plate (Ford and Fulkerson 1962), by E. A. Dinic's algorithm (1970).
 ///
@@ -121,4 +121,4 @@ class MaxFlow {
   std::span<std::uint32_t> path_;     ///< arcs
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "checks";
@@ -61,4 +61,4 @@ bool RegionContacts::find(const LayerRegions& below, const LayerRegions& above) 
   return room;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/regions/layer_regions.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The contacts of two layers' regions, by pairs: a pillar's rows make one contact. The outside's contact with itself is left out. A pair
 /// may be listed more than once if its rows lie between those of other pairs of the same region below.
@@ -35,4 +35,4 @@ class RegionContacts {
   std::size_t count_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

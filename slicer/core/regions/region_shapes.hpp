@@ -7,7 +7,7 @@
 
 #include "slicer/core/regions/layer_regions.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct RegionShape {
   std::uint32_t region = 0;                      ///< its name, white
@@ -57,4 +57,4 @@ template <class Begin, class ShapeOf>
   return true;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// How far the fade between bottom layers and all others has come: 0 on the bottom layers, 1 after the faded ones.
 constexpr double bottom_fade(std::uint32_t layer, std::uint32_t bottom_layers, std::uint32_t faded_layers) {
@@ -24,4 +24,4 @@ struct FootShrink {
   }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

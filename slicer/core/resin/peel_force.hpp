@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Force of a layer at its peel, N:
 ///
@@ -62,4 +62,4 @@ struct PeelSettings {
   }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Insertions, deletions and replacements that make one word the other (Levenshtein 1966). O(|from| |to|).
 inline std::size_t edit_distance(std::string_view from, std::string_view to) {
@@ -25,4 +25,4 @@ inline std::size_t edit_distance(std::string_view from, std::string_view to) {
   return row.back();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::string_view kCut = "...";
@@ -85,4 +85,4 @@ PrintableText::PrintableText(std::string_view raw, std::size_t longest) {
   text_[size_] = '\0';
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// One line of valid UTF-8 that can't steer a terminal, forge a second line of a log, or look like another text. Whatever becomes a
 /// PrintableText is made safe, so a sink that takes this type can't be given a raw string.
@@ -35,4 +35,4 @@ class PrintableText {
   std::size_t size_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

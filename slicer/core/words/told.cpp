@@ -4,7 +4,7 @@
 
 #include "slicer/core/words/printable_text.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 void Told::set_name(std::string_view name) {
   PrintableText(name, text.size() - 1).view().copy(text.data(), text.size() - 1);
@@ -17,4 +17,4 @@ void Told::add(Fact fact, double value) {
   values[count++] = value;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -2,15 +2,16 @@
 /// What is said to people, as a code with its values. The English sentence goes beside it; whoever shows it in another language words the code.
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <string_view>
 #include <type_traits>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
-/// Why the slicer refuses a scan. The program around it numbers its own codes from kToldCodeCount: see kExtends.
+/// Why the slicer refuses a scan. The program around it numbers its own codes from kToldCodeCount: see Extends.
 enum class ToldCode : std::uint16_t {
   kNone,
   kTooWide,
@@ -88,16 +89,19 @@ enum class Fact : std::uint8_t {
 };
 inline constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::kMostMm) + 1;
 
-/// Whether `Own` is ToldCode or Fact (`Base`), or an enum of the same type that goes on where that one ends.
+/// Whether `Own` is ToldCode or Fact (`Base`), or an enum of the same type that goes on where that one ends: beside such an enum stands
+/// the declaration `Base extends(Own);`.
 template <class Own, class Base>
-inline constexpr bool kExtends = std::is_same_v<Own, Base>;
+concept Extends = std::is_same_v<Own, Base> || requires(Own own) {
+  { extends(own) } -> std::same_as<Base>;
+};
 
 /// Plain numbers and characters, so that one process can pass it to another.
 struct Told {
   static constexpr std::size_t kMostFacts = 8;
   struct Number {
     template <class What, class T>
-    requires(kExtends<What, Fact>&& std::is_arithmetic_v<T>) Number(What what, T number)
+    requires(Extends<What, Fact>&& std::is_arithmetic_v<T>) Number(What what, T number)
         : fact(static_cast<Fact>(what)), value(static_cast<double>(number)) {}
     Fact fact;
     double value;
@@ -112,8 +116,8 @@ struct Told {
   Told() = default;
   // NOLINTBEGIN(google-explicit-constructor): many codes need no numbers
   template <class Code>
-  requires kExtends<Code, ToldCode> Told(Code what, std::initializer_list<Number> numbers = {},
-                                         std::string_view name = {})
+  requires Extends<Code, ToldCode> Told(Code what, std::initializer_list<Number> numbers = {},
+                                        std::string_view name = {})
       : code(static_cast<ToldCode>(what)) {
     for (const Number& number : numbers) add(number.fact, number.value);
     set_name(name);
@@ -129,4 +133,4 @@ struct Told {
   void set_name(std::string_view name);
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

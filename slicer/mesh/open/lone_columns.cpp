@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Columns that are found before they are removed.
@@ -75,4 +75,4 @@ Expected<std::uint32_t> drop_lone_columns(CrossingStore& store, Arena& arena) {
   return dropped;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Bytes of arena that drop_lone_columns() takes.
 std::size_t lone_columns_bytes(const PrintGrid& grid);
@@ -22,4 +22,4 @@ std::size_t lone_columns_bytes(const PrintGrid& grid);
 
 inline constexpr std::uint32_t kLeastColumnLayers = 20;  ///< lower ones are details, or too low to be seen
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

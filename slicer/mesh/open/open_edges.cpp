@@ -8,7 +8,7 @@
 
 #include "slicer/core/numbers/mix64.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "mesh";
@@ -167,4 +167,4 @@ std::uint64_t OpenEdges::runs() const {
   return sum;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// An edge between two places of the lattice.
 struct OpenEdge {
@@ -70,4 +70,4 @@ class OpenEdges {
   bool full_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

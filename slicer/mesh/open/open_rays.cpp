@@ -5,7 +5,7 @@
 
 #include "slicer/core/numbers/mix64.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// An empty stretch of this many cells is judged by the winding number in its middle.
@@ -210,4 +210,4 @@ void OpenRays::decide(std::uint32_t column, std::uint32_t row, RayToggles& toggl
   });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

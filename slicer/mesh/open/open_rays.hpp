@@ -11,7 +11,7 @@
 #include "slicer/mesh/mesh_ray.hpp"
 #include "slicer/mesh/ray_solids.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Decides the rays of a block for which the hits alone can't tell what is solid: by the winding number, and by few of them where
 /// they are alike.
@@ -95,4 +95,4 @@ class OpenRays {
   std::uint64_t asked_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include "slicer/core/numbers/lanes.hpp"
 #include "slicer/mesh/triangle_rays.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Columns of numbers, one a corner or the edge from it.
@@ -304,4 +304,4 @@ void RimWinding::add_lean(float z, RimLean& lean) const {
   add_loops(room_.data(), stride_, ends_.data(), ends_.size(), lean);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

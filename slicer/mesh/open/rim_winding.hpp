@@ -8,7 +8,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The open edges of a mesh as one line of corners, each run from a corner to the next. The line goes to every loop and back on the same
 /// way, so that what joins the loops cancels.
@@ -97,4 +97,4 @@ class RimWinding {
   std::size_t stride_ = 0;    ///< a multiple of kLanes, at least kLanes more than there are edges
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

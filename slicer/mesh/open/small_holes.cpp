@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <tuple>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "mesh";
@@ -173,4 +173,4 @@ Expected<SmallHoles> close_small_holes(const OpenEdges& edges, const Vec3d& step
   return SmallHoles{caps->first(closer.caps()), closer.holes(), rim->first(closer.rim())};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

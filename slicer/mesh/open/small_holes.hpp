@@ -11,7 +11,7 @@
 #include "slicer/mesh/open/open_edges.hpp"
 #include "slicer/mesh/open/rim_winding.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct SmallHoles {
   std::span<const LatticeTriangle> caps;  ///< at the bottom of the arena
@@ -41,4 +41,4 @@ std::size_t small_hole_bytes(std::uint64_t runs);
 [[nodiscard]] Expected<SmallHoles> close_small_holes(const OpenEdges& edges, const Vec3d& steps, std::size_t most,
                                                      Arena& arena);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

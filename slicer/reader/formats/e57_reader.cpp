@@ -11,7 +11,7 @@
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/stream/number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr double kMmPerMetre = 1000;
@@ -257,4 +257,4 @@ class E57Reader {
 
 Status read_e57(ByteInput& input, PointBatch& batch, Arena& memory) { return E57Reader(input, batch, memory).read(); }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 using std::string_view_literals::operator""sv;
@@ -316,4 +316,4 @@ const ForeignFormat* foreign_content(std::string_view head, std::optional<std::u
   return nullptr;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/core/words/told.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct ForeignKind {
   const char* what;    ///< "is sliced for another printer"
@@ -30,4 +30,4 @@ const ForeignFormat* foreign_format(std::string_view name);
 /// @returns null: none of those that have one
 const ForeignFormat* foreign_content(std::string_view head, std::optional<std::uint64_t> size);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 using std::string_view_literals::operator""sv;
@@ -299,4 +299,4 @@ const char* to_string(ScanFormat format) {
   return "unknown";
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

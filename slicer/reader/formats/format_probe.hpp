@@ -4,7 +4,7 @@
 #include "slicer/reader/stream/byte_input.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 inline constexpr std::string_view kE57Signature = "ASTM-E57";
 inline constexpr std::string_view kZipSignature = "PK\x03\x04";
@@ -21,4 +21,4 @@ inline constexpr std::string_view kZipSignature = "PK\x03\x04";
 /// "PLY", "XYZ", "PCD", and so on: in lower case also the ending of such a file.
 const char* to_string(ScanFormat format);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

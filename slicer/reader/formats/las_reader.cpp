@@ -8,7 +8,7 @@
 #include "slicer/reader/records/record.hpp"
 #include "slicer/reader/records/records_end.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Bytes of a point of formats 0 to 10 (LAS 1.4 R15, tables 7 to 21). A record may have extra bytes after them.
@@ -203,4 +203,4 @@ class LasReader {
 
 Status read_las(ByteInput& input, PointBatch& batch) { return LasReader(input, batch).read(); }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 void ObjLines::split() {
   LineWords words(line_.text);
@@ -53,4 +53,4 @@ Status ObjLines::skip_continuation() {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

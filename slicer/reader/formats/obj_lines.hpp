@@ -9,7 +9,7 @@
 #include "slicer/reader/stream/line_input.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Joins lines that a backslash continues, and skips those that nobody wants, whatever their length.
 class ObjLines {
@@ -59,4 +59,4 @@ class ObjLines {
   std::string_view rest_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/records/record_text.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Assigns normals to vertices.
@@ -113,4 +113,4 @@ Status read_obj(ByteInput& input, PointBatch& batch, Arena& memory) {
   return ObjReader(input, batch, *joined).read();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

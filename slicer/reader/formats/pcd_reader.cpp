@@ -6,7 +6,7 @@
 #include "slicer/reader/records/records_end.hpp"
 #include "slicer/reader/stream/line_input.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* encoding_of(PcdData data) {
@@ -44,4 +44,4 @@ Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory, Arena& colum
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

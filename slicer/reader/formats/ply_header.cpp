@@ -3,7 +3,7 @@
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Far above what any scanner writes; more only come from an attack or a damaged file.
@@ -257,4 +257,4 @@ Expected<PlyHeader> read_ply_header(LineInput& lines, Arena& memory) {
   return HeaderParser(lines, *steps, *elements).parse();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

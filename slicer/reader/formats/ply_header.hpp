@@ -9,7 +9,7 @@
 #include "slicer/reader/records/record.hpp"
 #include "slicer/reader/stream/line_input.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct PlyElement {
   std::uint64_t count = 0;
@@ -41,4 +41,4 @@ struct PlyHeader {
 /// @retval ErrorCode::kNoPoints  it declares no vertices, or no x, y and z
 [[nodiscard]] Expected<PlyHeader> read_ply_header(LineInput& lines, Arena& memory);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

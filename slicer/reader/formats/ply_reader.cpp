@@ -6,7 +6,7 @@
 #include "slicer/reader/records/records_end.hpp"
 #include "slicer/reader/stream/line_input.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Elements behind the vertices are not read, but where rows may not fit their header.
@@ -85,4 +85,4 @@ Status read_ply(ByteInput& input, PointBatch& batch, Arena& memory) {
   return read;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

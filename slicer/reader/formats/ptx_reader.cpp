@@ -8,7 +8,7 @@
 #include "slicer/reader/records/scan_pose.hpp"
 #include "slicer/reader/stream/number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Each scan has two lines with its columns and rows, four with the scanner's place and axes, four with the transform to the
@@ -180,4 +180,4 @@ class PtxReader {
 
 Status read_ptx(ByteInput& input, PointBatch& batch) { return PtxReader(input, batch).read(); }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

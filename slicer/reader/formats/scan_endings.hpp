@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Columns of numbers without a signature, so the name's ending counts.
 inline constexpr std::array<std::string_view, 6> kXyzEndings = {".xyz", ".xyzrgb", ".txt", ".pts", ".asc", ".csv"};
@@ -17,4 +17,4 @@ inline constexpr std::array<std::string_view, 10> kMarkedEndings = {".ply", ".pc
 inline constexpr std::array<std::string_view, 6> kArchiveEndings = {".sl1", ".sl1s", ".zip",
                                                                     ".cws", ".uvj",  ".nanodlp"};
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include "slicer/reader/stream/byte_input.hpp"
 #include "slicer/reader/stream/point_batch.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Polygon file format: ascii, and binary in both byte orders. Gaussian splats are recognised by their properties; the input is
 /// rewound for them (SplatFilter).
@@ -45,4 +45,4 @@ namespace plumbline {
 /// @retval ErrorCode::kUnsupported    another version, or the columns don't fit
 [[nodiscard]] Status read_spz(ByteInput& input, PointBatch& batch, Arena& memory, Arena& columns);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/reader/stream/inflate_stream.hpp"
 #include "slicer/reader/stream/number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "reading SPZ";
@@ -265,4 +265,4 @@ Status read_spz(ByteInput& input, PointBatch& batch, Arena& memory, Arena& colum
   return SpzReader(input, batch, stream).read(columns);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/reader/stream/line_input.hpp"
 #include "slicer/reader/stream/number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Rows from which the columns are identified. More rows make it less likely that colours pass for normals
@@ -491,4 +491,4 @@ Status read_xyz(ByteInput& input, PointBatch& batch, Arena& memory) {
   return XyzReader(input, batch, *sample, *points).read();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

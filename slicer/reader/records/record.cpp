@@ -4,7 +4,7 @@
 
 #include "slicer/reader/stream/number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 template <class T>
@@ -76,4 +76,4 @@ std::uint64_t RecordLayout::least_bytes() const {
   return bytes;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

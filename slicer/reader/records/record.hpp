@@ -11,7 +11,7 @@
 
 #include "slicer/reader/stream/point_batch.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 enum class ScalarType : std::uint8_t {
   kInt8,
@@ -97,4 +97,4 @@ class RecordLayout {
   bool wanted_list_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 
 #include "slicer/reader/stream/number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 using Kind = RecordStep::Kind;
@@ -126,4 +126,4 @@ Status skip_binary_records(ByteInput& input, const RecordLayout& layout, std::ui
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include "slicer/reader/records/record.hpp"
 #include "slicer/reader/stream/byte_input.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Reads `count` records as points.
 /// @retval ErrorCode::kTruncated  the file ends before the last of them
@@ -19,4 +19,4 @@ namespace plumbline {
 [[nodiscard]] Status skip_binary_records(ByteInput& input, const RecordLayout& layout, std::uint64_t count,
                                          std::endian order);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -3,7 +3,7 @@
 #include "slicer/reader/records/records_end.hpp"
 #include "slicer/reader/stream/number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 using Kind = RowOutcome::Kind;
@@ -245,4 +245,4 @@ Status read_text_points(LineInput& lines, const RecordLayout& layout, std::uint6
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/reader/stream/line_input.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct RowOutcome {
   enum class Kind : std::uint8_t { kWhole, kTooFew, kNotANumber, kOtherCells };
@@ -81,4 +81,4 @@ class TextRecords {
 [[nodiscard]] Status read_text_points(LineInput& lines, const RecordLayout& layout, std::uint64_t count,
                                       PointBatch& batch);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

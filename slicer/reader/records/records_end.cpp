@@ -5,7 +5,7 @@
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 Status check_end(ByteInput& input, const char* what, std::uint64_t count, std::uint64_t least, std::uint64_t limit) {
   std::uint64_t bytes = 0;
@@ -42,4 +42,4 @@ Status check_text_end(LineInput& lines, const char* what, std::uint64_t count) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

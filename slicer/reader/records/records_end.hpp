@@ -6,7 +6,7 @@
 
 #include "slicer/reader/stream/line_input.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Takes what follows the last record: nothing, less than a record, or zeros that fill a block of a medium.
 /// @param what   of the records, in the plural
@@ -20,4 +20,4 @@ namespace plumbline {
 /// The same of a text, where a line that begins with a number is a record.
 [[nodiscard]] Status check_text_end(LineInput& lines, const char* what, std::uint64_t count);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/reader/stream/point_batch.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The rotation of a quaternion of any length but 0.
 /// @returns nothing if its length is 0 or not finite
@@ -38,4 +38,4 @@ struct ScanPose {
   }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

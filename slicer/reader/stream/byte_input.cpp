@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstring>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Bytes between two progress reports: a progress bar moves even on a slow stick (1 MB/s: 30 reports a second), and a
@@ -113,4 +113,4 @@ tl::unexpected<Error> ByteInput::fail(ErrorCode code, const char* pattern, ...) 
   return tl::unexpected<Error>(error.with_prefix(cut));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/core/byte_source.hpp"
 #include "slicer/reader/stream/read_progress.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Bytes that were read but not yet consumed lie contiguously in one fixed buffer, whatever the size of the source's
 /// reads. Progress and cancellation are handled here, because every reader, skipping or parsing, passes this loop.
@@ -83,4 +83,4 @@ class ByteInput {
   bool ended_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

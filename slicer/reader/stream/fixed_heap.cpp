@@ -6,7 +6,7 @@
 #include <cstring>
 #include <new>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 FixedHeap::FixedHeap(std::span<std::byte> block) {
   assert(reinterpret_cast<std::uintptr_t>(block.data()) % kAlignment == 0);
@@ -49,4 +49,4 @@ void FixedHeap::release(void* part) {
   if (part != nullptr) head_of(part)->used = false;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// First fit; neighbouring free parts are joined. Made for some hundred parts: each request looks at all of them.
 class FixedHeap {
@@ -38,4 +38,4 @@ class FixedHeap {
   bool refused_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include <new>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 std::uint32_t crc32_of(std::span<const char> bytes, std::uint32_t before) {
   return static_cast<std::uint32_t>(
@@ -70,4 +70,4 @@ Expected<std::span<const char>> InflateStream::next(std::uint64_t most) {
   return std::span<const char>(window_.data(), wanted - zlib_->avail_out);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 
 struct z_stream_s;  ///< of zlib
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The checksum of zip and gzip (ISO 3309).
 /// @param before  of the bytes before these; 0 at the start
@@ -52,4 +52,4 @@ class InflateStream {
   bool ended_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

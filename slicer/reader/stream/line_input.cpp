@@ -4,7 +4,7 @@
 
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 const char* LineInput::find_end(const char* first, const char* last) {
   if (terminator_ == 0) {
@@ -108,4 +108,4 @@ Expected<char> LineInput::skip_rest() {
   return final;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

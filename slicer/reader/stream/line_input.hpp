@@ -6,7 +6,7 @@
 
 #include "slicer/reader/stream/byte_input.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct Line {
   std::string_view text;      ///< without its end; valid until the next call of LineInput or ByteInput
@@ -44,4 +44,4 @@ class LineInput {
   bool rest_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -162,4 +162,4 @@ std::optional<std::uint64_t> parse_count(std::string_view word) {
   return count;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Parses a decimal number at `first`: "1", "+2.", "-.5e-3", "1.0D+02" as Fortran writes it, also "nan", "inf", and "1.#IND" as Microsoft's library
 /// writes it. Rounds to nearest; overflow gives infinity, underflow zero.
@@ -29,4 +29,4 @@ constexpr std::uint64_t saturating_add(std::uint64_t a, std::uint64_t b) {
   return b > UINT64_MAX - a ? UINT64_MAX : a + b;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -2,7 +2,7 @@
 
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 std::size_t slot_of(std::string_view name) {
   static constexpr std::string_view kNames[][kSlots] = {
@@ -35,4 +35,4 @@ Status PointBatch::flush() {
   return sink_.take(ready);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

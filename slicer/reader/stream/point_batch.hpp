@@ -10,7 +10,7 @@
 
 #include "slicer/reader/stream/scan_point.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The numbers of a point that readers look for; also their order in a row.
 enum Slot : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz };
@@ -117,4 +117,4 @@ class PointBatch {
   bool keeps_not_finite_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -1,7 +1,7 @@
 #pragma once
 /// Progress and cancellation of reading a file.
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 class ReadProgress {
  public:
@@ -17,4 +17,4 @@ class NoProgress final : public ReadProgress {
   bool progress(double /*fraction*/) override { return true; }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

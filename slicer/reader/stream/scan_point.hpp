@@ -10,7 +10,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/reader/stream/read_progress.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// One point as in the file. Every number is finite.
 struct ScanPoint {
@@ -60,4 +60,4 @@ struct ScanSummary {
   std::uint64_t bytes = 0;           ///< read from the source
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 bool has_ending(std::string_view name, std::string_view ending) {
   return name.size() >= ending.size() && same_word(name.substr(name.size() - ending.size()), ending);
 }
@@ -16,4 +16,4 @@ Quote::Quote(std::string_view bytes) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

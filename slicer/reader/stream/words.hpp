@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The bytes that separate words. A table, since a large scan looks up a hundred million bytes.
 class Separators {
@@ -77,4 +77,4 @@ class Quote {
   char text_[kLongest + 4] = {};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// expat's functions for memory take no context.
@@ -83,4 +83,4 @@ Status XmlParser::parse(std::span<const char> piece, bool last, const ByteInput&
                     XML_ErrorString(XML_GetErrorCode(parser_)));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

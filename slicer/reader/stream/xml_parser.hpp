@@ -18,7 +18,7 @@
 
 struct XML_ParserStruct;  ///< of expat
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The attributes of an element, valid while its begin() runs.
 class XmlAttributes {
@@ -108,4 +108,4 @@ class XmlParser {
   std::array<char, 160> complaint_ = {};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include "slicer/reader/triangles/triangle_batch.hpp"
 #include "slicer/reader/triangles/vertex_list.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Turns the corners of one face after another into a fan of triangles.
 class FaceFan {
@@ -65,4 +65,4 @@ class FaceStrip {
   std::uint64_t corners_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include "slicer/reader/formats/ply_header.hpp"
 #include "slicer/reader/triangles/triangle_formats.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::size_t kWindow = std::size_t{64} * 1024;  ///< bytes: the longest line, as in read_scan()
@@ -124,4 +124,4 @@ Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexLi
   return summary;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/reader/triangles/triangle.hpp"
 #include "slicer/reader/triangles/vertex_list.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Whether a file holds a mesh, as far as its beginning shows.
 enum class MeshHint : std::uint8_t {
@@ -42,4 +42,4 @@ enum class MeshHint : std::uint8_t {
 [[nodiscard]] Expected<MeshSummary> read_mesh(const ModelCopy& copy, TriangleSink& sink,
                                               std::span<std::byte> workspace);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

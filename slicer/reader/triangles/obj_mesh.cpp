@@ -6,7 +6,7 @@
 #include "slicer/reader/triangles/faces.hpp"
 #include "slicer/reader/triangles/triangle_formats.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 class ObjMeshReader {
@@ -119,4 +119,4 @@ Status read_obj_mesh(ByteInput& input, TriangleBatch& batch, const MeshRoom& roo
   return ObjMeshReader(input, batch, room.vertices, *joined).read();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 #include "slicer/reader/triangles/faces.hpp"
 #include "slicer/reader/triangles/triangle_formats.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 class OffReader {
@@ -140,4 +140,4 @@ Status read_off(ByteInput& input, TriangleBatch& batch, const MeshRoom& room) {
   return OffReader(input, batch, room.vertices).read();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/reader/triangles/faces.hpp"
 #include "slicer/reader/triangles/triangle_formats.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// 2^53: a double holds every index up to it.
@@ -235,4 +235,4 @@ Status read_ply_mesh(ByteInput& input, TriangleBatch& batch, const MeshRoom& roo
   return PlyMeshReader(input, batch, room.vertices).read(room.memory);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/triangles/triangle_formats.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::size_t kHead = 84;    ///< bytes before the first triangle of a binary file
@@ -211,4 +211,4 @@ Status read_stl(ByteInput& input, TriangleBatch& batch) {
   return is_ascii(input) ? AsciiReader(input, batch).read() : read_binary(input, batch);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Corners in scan units, counter-clockwise seen from outside of the object. Every number is finite.
 using Triangle = std::array<Vec3d, 3>;
@@ -85,4 +85,4 @@ struct MeshSummary {
 /// Scan units. Squares and products of three such numbers stay finite.
 inline constexpr double kLargestCoordinate = 1e30;
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/reader/triangles/triangle.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Collects triangles into batches, leaves out those with an unusable corner, and counts both.
 class TriangleBatch {
@@ -66,4 +66,4 @@ class TriangleBatch {
   BodyLabel body_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

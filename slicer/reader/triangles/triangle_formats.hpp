@@ -8,7 +8,7 @@
 #include "slicer/reader/triangles/triangle_batch.hpp"
 #include "slicer/reader/triangles/vertex_list.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Where an indexed format keeps its vertices, and where a reader keeps what it needs besides the window.
 struct MeshRoom {
@@ -43,4 +43,4 @@ void count_vertices(VertexList& vertices, MeshSummary& summary);
 /// The error of a mesh that has more vertices than there is room for.
 tl::unexpected<Error> fail_vertices(const ByteInput& input, const VertexList& vertices);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -1,6 +1,6 @@
 #include "slicer/reader/triangles/vertex_list.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "mesh";
@@ -43,4 +43,4 @@ Vec3d VertexList::origin_at(const Vec3d& p) {
   return origin;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

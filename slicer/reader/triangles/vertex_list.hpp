@@ -10,7 +10,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/numbers/vec.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Positions as single precision offsets from the first vertex, 12 bytes each, and one bit each for whether a face uses it. Every
 /// face that names a vertex sees the same position, so that rounding opens no gaps.
@@ -74,4 +74,4 @@ class VertexList {
   std::uint64_t used_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/core/print_grid.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Lengths are nanometres, so that squares of 30 mm still fit into 64 bits.
 using Nanometres = std::int64_t;
@@ -49,4 +49,4 @@ void for_each_disc_span(const PixelPitch& pitch, std::uint32_t column, std::uint
   });
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

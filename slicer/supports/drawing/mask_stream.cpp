@@ -1,6 +1,6 @@
 #include "slicer/supports/drawing/mask_stream.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 Expected<MaskStream> MaskStream::create(const RRep& rrep, const Supports& supports, Arena& arena, bool counts) {
   const auto layers = LayerStream::create(rrep, arena);
@@ -29,4 +29,4 @@ ConstBitImage MaskStream::mask(std::uint32_t layer) {
   return mask;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

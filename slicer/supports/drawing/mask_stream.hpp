@@ -11,7 +11,7 @@
 #include "slicer/supports/drawing/support_painter.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A LayerStream whose masks have the supports drawn in. Any layer may be asked for; the costs are LayerStream's, and those
 /// of the supports in the layer.
@@ -55,4 +55,4 @@ class MaskStream {
   std::uint64_t support_pixels_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include "slicer/core/bit_spans.hpp"
 #include "slicer/layers/morphology.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Widest half of a row that fits into a word with its middle pixel at bit kMiddle.
@@ -155,4 +155,4 @@ void SupportPainter::draw_span(std::uint32_t row, std::uint32_t begin, std::uint
   for (std::uint32_t s = begin / kStripColumns; s * kStripColumns < end; ++s) touched.set(row, s);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Tracks which struts are in a layer. Going to the next layer takes time for its struts only, going to any other layer a pass
 /// over the whole list.
@@ -61,4 +61,4 @@ class SupportPainter {
   std::array<Rows, 8> rows_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/supports/drawing/disc.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// What a strut is for.
 enum class StrutKind : std::uint8_t {
@@ -123,4 +123,4 @@ struct Supports {
   }
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -12,7 +12,7 @@
 
 #include "slicer/core/resin/foot_shrink.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -258,4 +258,4 @@ TEST(ArchiveSettings, ThatCannotBePrintedAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 std::string little_endian(std::uint64_t number, int bytes) {
@@ -70,4 +70,4 @@ TEST(ZipReader, RefusesTooManyEntriesWhateverTheirNumberIsSaidToBe) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// What a face covers of a text: from 0 to 255, a row after another; (kLeft, kBaseline) is where the text starts.
@@ -132,4 +132,4 @@ TEST(Canvas, ReducesAPictureToMeans) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -15,7 +15,7 @@
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "tests/firmware/child/child_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -361,4 +361,4 @@ TEST_F(ArchiveAnswerCheck, NumbersThatAreNotGivenAreLeftToTheProfile) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

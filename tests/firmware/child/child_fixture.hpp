@@ -13,7 +13,7 @@
 #include "firmware/child/slicing_child.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Whether this is a build with a sanitizer, in which system calls are not filtered.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -67,4 +67,4 @@ class ChildTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

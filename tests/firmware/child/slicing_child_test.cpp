@@ -23,7 +23,7 @@
 #include "tests/slicer/support/scan_cloud.hpp"
 #include "tests/slicer/support/splat_files.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::ElementsAreArray;
@@ -502,4 +502,4 @@ TEST_F(StoppedTemplate, EndsTheDecodingOfALayer) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using testing::HasSubstr;
@@ -110,4 +110,4 @@ TEST(BackEnd, RefusesABoardFileWithoutWiring) {
 #endif
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

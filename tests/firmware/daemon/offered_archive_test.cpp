@@ -14,7 +14,7 @@
 #include "firmware/settings/board_file.hpp"
 #include "tests/firmware/child/child_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -153,4 +153,4 @@ TEST_F(BadChildren, AreErrorsOfTheirLayersOnly) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

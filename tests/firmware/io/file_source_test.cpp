@@ -6,7 +6,7 @@
 
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 TEST(FileSource, ReadsBytesNameAndSizeOfAFile) {
@@ -58,4 +58,4 @@ TEST(FileSource, NamesTheByteAtWhichReadingFailed) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

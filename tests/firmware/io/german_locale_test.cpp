@@ -13,7 +13,7 @@
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/slicer/support/slicing.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -73,4 +73,4 @@ TEST_F(GermanLocale, ChangesNoNumberThatIsWritten) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

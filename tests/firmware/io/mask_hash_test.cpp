@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 struct Mask {
@@ -91,4 +91,4 @@ TEST(JobHash, DependsOnTheOrderAndTheNumberOfLayers) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

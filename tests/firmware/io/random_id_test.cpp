@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 TEST(RandomIds, AreNeverTheSameAndNeverThoseOfAnotherStart) {
@@ -38,4 +38,4 @@ TEST(RandomIds, AreSixteenDigits) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

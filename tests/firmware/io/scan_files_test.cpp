@@ -9,7 +9,7 @@
 
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::ElementsAre;
@@ -33,4 +33,4 @@ TEST(ScanFiles, ComeWithTheConfThatSaysWhereTheyLie) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -42,4 +42,4 @@ TEST(LogBound, TakesAFewLinesAMinuteAndCountsTheOthers) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

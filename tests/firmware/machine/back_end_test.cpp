@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -38,4 +38,4 @@ TEST(BackEnd, IsRefusedBeforeASliceForWhatItsFileAndOptionsSay) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace plumbline::literals;
@@ -16,4 +16,4 @@ TEST(MachineLimits, LetAMotorWithoutPowerTurnByTwoFullSteps) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/checks/issue.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -176,4 +176,4 @@ TEST(Told, KeepsItsNameSafeAndShort) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

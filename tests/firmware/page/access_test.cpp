@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 TEST(PageAccess, KnowsTheNamesOfThisMachine) {
@@ -42,4 +42,4 @@ TEST(PageAccess, TakesOnlyThePagesOwnOrigin) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

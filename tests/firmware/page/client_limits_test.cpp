@@ -11,7 +11,7 @@
 
 #include "firmware/page/clients/connection_places.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -162,4 +162,4 @@ TEST_F(ConnectionPlaces, AreNotTakenFromAStream) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -15,7 +15,7 @@
 
 #include "firmware/io/descriptor.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -216,4 +216,4 @@ TEST(HttpServer, SaysWhyItCantListen) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

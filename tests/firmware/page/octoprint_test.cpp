@@ -7,7 +7,7 @@
 
 #include "firmware/io/text/json_cursor.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using Text = TextBuffer<4096>;
@@ -69,4 +69,4 @@ TEST(OctoPrint, SaysWhatIsNot) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

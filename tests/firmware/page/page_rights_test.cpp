@@ -18,7 +18,7 @@
 
 #include "tests/firmware/child/child_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// What one call returns in a process that has given up the page's rights: 0 or errno.
@@ -122,4 +122,4 @@ TEST_F(PageRights, HaveNoCapabilityAndNoWayToGainOne) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::time_t kNow = 1'800'000'000;
@@ -105,4 +105,4 @@ TEST(PairedBrowsers, OfAnOlderPlumblineStayPaired) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -157,4 +157,4 @@ TEST_F(PairingCodesTest, Differ) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -14,7 +14,7 @@
 #include "firmware/pictures/png.hpp"
 #include "firmware/pictures/side_pictures.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 struct Mask {
@@ -292,4 +292,4 @@ TEST(SmallPng, IsReadBackByAnotherProgramAsItWas) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -13,7 +13,7 @@
 #include "firmware/pictures/png.hpp"
 #include "tests/firmware/pictures/noise_png.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace mask_decoder_test {
 
 using ::testing::HasSubstr;
@@ -168,4 +168,4 @@ TEST(MaskDecoder, PassesOnTheErrorOfItsBytes) {
 }
 
 }  // namespace mask_decoder_test
-}  // namespace plumbline
+}  // namespace plumbline::firmware

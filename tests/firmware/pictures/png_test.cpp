@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace png_test {
 
 struct Mask {
@@ -175,4 +175,4 @@ TEST(PictureDecoder, RefusesWhatIsTooLargeOrDamagedAndWritesNothingBeyondItsRoom
 }
 
 }  // namespace png_test
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 
 #include "tests/firmware/pictures/noise_png.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace reduced_picture_test {
 
 using ::testing::HasSubstr;
@@ -94,4 +94,4 @@ TEST(ReducedPicture, RefusesWhatIsDamagedOrTooLarge) {
 }
 
 }  // namespace reduced_picture_test
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/hil/session_rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 alignas(64) std::byte print_arena[std::size_t{24} * 1024 * 1024];
@@ -84,4 +84,4 @@ TEST(KeptPrint, IsWrittenReadAndShownWithoutTheHeap) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

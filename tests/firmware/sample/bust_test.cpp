@@ -8,7 +8,7 @@
 
 #include "firmware/sample/analytic_bust.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 class Dice {
@@ -161,4 +161,4 @@ TEST(Bust, OverhangsUnderItsNoseChinAndKnot) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include "tests/slicer/support/slicing.hpp"
 #include "tests/slicer/support/wrong_normals.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace testing;
@@ -60,4 +60,4 @@ INSTANTIATE_TEST_SUITE_P(Each, WronglyOrientedBust, ValuesIn(kWrongNormals),
                          [](const TestParamInfo<WrongNormals>& test) { return to_string(test.param); });
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

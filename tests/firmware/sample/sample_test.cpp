@@ -16,7 +16,7 @@
 #include "firmware/sample/counter_rng.hpp"
 #include "firmware/sample/scan_sample.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -279,4 +279,4 @@ TEST(CounterRng, MakesUnrelatedStreams) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -14,7 +14,7 @@
 #include "firmware/screen/screens.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 struct DrawnScreen {
   DrawnScreen(int columns, int rows, const PrinterRecord& record, const ScreenView& view, Language language)
@@ -246,4 +246,4 @@ inline Contract a_sliced_job() {
   return contract;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

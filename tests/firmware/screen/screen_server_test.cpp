@@ -16,7 +16,7 @@
 #include "firmware/screen/setting_rows.hpp"
 #include "tests/firmware/screen/screen_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -406,4 +406,4 @@ TEST(ScreenServer, LabelsOnlyButtonsThatThePrinterTakes) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

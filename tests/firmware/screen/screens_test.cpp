@@ -26,7 +26,7 @@
 #include "firmware/screen/setting_rows.hpp"
 #include "tests/firmware/screen/screen_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using enum PrintState;
@@ -552,4 +552,4 @@ TEST(Screens, TheLongestRecordFits) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -9,7 +9,7 @@
 
 #include "firmware/settings/wiring_file.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::AllOf;
@@ -348,4 +348,4 @@ TEST(BoardFile, IsReadFromAFile) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 TEST(PrintLength, IsANumberWithItsUnit) {
@@ -23,4 +23,4 @@ TEST(PrintLength, IsNothingElse) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/settings_file.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace print_profile_test {
 
 using ::testing::AllOf;
@@ -180,4 +180,4 @@ TEST(BoardReadme, GivesTheRangesThatTheProgramChecks) {
 }
 
 }  // namespace print_profile_test
-}  // namespace plumbline
+}  // namespace plumbline::firmware

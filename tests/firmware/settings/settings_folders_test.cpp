@@ -8,7 +8,7 @@
 #include "firmware/settings/setting_words.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using testing::AllOf;
@@ -88,4 +88,4 @@ TEST(SettingWords, SuggestOnlyWhatIsNear) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

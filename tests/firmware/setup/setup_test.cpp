@@ -14,7 +14,7 @@
 #include "firmware/setup/panel_look.hpp"
 #include "firmware/setup/stage_trial.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -561,4 +561,4 @@ TEST(StageTrial, ExplainsATravelByJumpersBeforeScrews) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

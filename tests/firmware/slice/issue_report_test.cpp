@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::ElementsAre;
@@ -203,4 +203,4 @@ TEST(IssueReport, CountsAndShowsOnlyWhatAPersonIsToldOf) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using testing::ElementsAre;
@@ -188,4 +188,4 @@ TEST(JobDirectory, SaysWhyItCannotBeMade) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

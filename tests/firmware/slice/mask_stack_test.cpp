@@ -12,7 +12,7 @@
 #include "tests/slicer/support/pixels.hpp"
 #include "tests/slicer/support/surfaces.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -155,4 +155,4 @@ TEST(MaskStack, FindsPitchAndHeightInAManifest) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// The faces of a box of 10 x 20 x 40, in patches of a side of 1.
@@ -72,4 +72,4 @@ TEST(OrientationProposals, CanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

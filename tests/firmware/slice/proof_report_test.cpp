@@ -5,7 +5,7 @@
 
 #include "tests/slicer/reader/scan_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace testing;
@@ -30,4 +30,4 @@ TEST(ProofReport, SaysHowManyPointsLieWhere) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

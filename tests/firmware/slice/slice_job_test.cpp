@@ -14,7 +14,7 @@
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -360,4 +360,4 @@ TEST(JobWarnings, AreSilentAboutAnOrdinaryScan) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -165,4 +165,4 @@ TEST(ClientRequest, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -11,7 +11,7 @@
 #include "firmware/messages/printer_code.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -277,4 +277,4 @@ TEST(CommandRules, AnEventThatAStateTakesChangesIt) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

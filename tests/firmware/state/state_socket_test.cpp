@@ -21,7 +21,7 @@
 #include "firmware/state/state_link.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -390,4 +390,4 @@ TEST_F(StateSocketTest, IsOneDaemonsAndIsOpenedAgainAfterItWasKilled) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -14,7 +14,7 @@
 #include <map>
 #include <set>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 struct Plan {
@@ -120,7 +120,7 @@ bool FailingCall::happened() const { return count >= plan.nth; }
 std::size_t not_durable() { return changed.size(); }
 std::size_t names_not_durable() { return folders.size(); }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware
 
 // The linker lets the code under test call __wrap_NAME instead of NAME, and __real_NAME is NAME.
 // NOLINTBEGIN(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp)
@@ -138,57 +138,65 @@ int __real_renameat(int, const char*, int, const char*);
 int __real_unlinkat(int, const char*, int);
 int __real_close(int);
 
-using plumbline::Calls;
+using plumbline::firmware::Calls;
 
 ssize_t __wrap_read(int file, void* to, std::size_t bytes) {
-  return plumbline::transfer(Calls::kReads, file, bytes, [=](std::size_t n) { return __real_read(file, to, n); });
+  return plumbline::firmware::transfer(Calls::kReads, file, bytes,
+                                       [=](std::size_t n) { return __real_read(file, to, n); });
 }
 ssize_t __wrap_pread(int file, void* to, std::size_t bytes, off_t at) {
-  return plumbline::transfer(Calls::kReads, file, bytes, [=](std::size_t n) { return __real_pread(file, to, n, at); });
+  return plumbline::firmware::transfer(Calls::kReads, file, bytes,
+                                       [=](std::size_t n) { return __real_pread(file, to, n, at); });
 }
 ssize_t __wrap_write(int file, const void* from, std::size_t bytes) {
-  return plumbline::transfer(Calls::kWrites, file, bytes, [=](std::size_t n) { return __real_write(file, from, n); });
+  return plumbline::firmware::transfer(Calls::kWrites, file, bytes,
+                                       [=](std::size_t n) { return __real_write(file, from, n); });
 }
 ssize_t __wrap_pwrite(int file, const void* from, std::size_t bytes, off_t at) {
-  return plumbline::transfer(Calls::kWrites, file, bytes,
-                             [=](std::size_t n) { return __real_pwrite(file, from, n, at); });
+  return plumbline::firmware::transfer(Calls::kWrites, file, bytes,
+                                       [=](std::size_t n) { return __real_pwrite(file, from, n, at); });
 }
 int __wrap_open(const char* path, int flags, ...) {
   va_list args;
   va_start(args, flags);
-  const mode_t mode = plumbline::mode_in(flags, args);
+  const mode_t mode = plumbline::firmware::mode_in(flags, args);
   va_end(args);
-  return plumbline::writes(flags) && plumbline::fails() ? -1 : __real_open(path, flags, mode);
+  return plumbline::firmware::writes(flags) && plumbline::firmware::fails() ? -1 : __real_open(path, flags, mode);
 }
 int __wrap_openat(int folder, const char* path, int flags, ...) {
   va_list args;
   va_start(args, flags);
-  const mode_t mode = plumbline::mode_in(flags, args);
+  const mode_t mode = plumbline::firmware::mode_in(flags, args);
   va_end(args);
-  if (plumbline::writes(flags) && plumbline::fails()) return -1;
-  if ((flags & O_CREAT) != 0 && ::faccessat(folder, path, F_OK, AT_SYMLINK_NOFOLLOW) != 0) plumbline::note_name(folder);
+  if (plumbline::firmware::writes(flags) && plumbline::firmware::fails()) return -1;
+  if ((flags & O_CREAT) != 0 && ::faccessat(folder, path, F_OK, AT_SYMLINK_NOFOLLOW) != 0)
+    plumbline::firmware::note_name(folder);
   return __real_openat(folder, path, flags, mode);
 }
-int __wrap_fsync(int file) { return plumbline::fails(file) ? -1 : plumbline::note_durable(file, __real_fsync(file)); }
-int __wrap_fdatasync(int file) {
-  return plumbline::fails(file) ? -1 : plumbline::note_durable(file, __real_fdatasync(file));
+int __wrap_fsync(int file) {
+  return plumbline::firmware::fails(file) ? -1 : plumbline::firmware::note_durable(file, __real_fsync(file));
 }
-int __wrap_rename(const char* from, const char* to) { return plumbline::fails() ? -1 : __real_rename(from, to); }
+int __wrap_fdatasync(int file) {
+  return plumbline::firmware::fails(file) ? -1 : plumbline::firmware::note_durable(file, __real_fdatasync(file));
+}
+int __wrap_rename(const char* from, const char* to) {
+  return plumbline::firmware::fails() ? -1 : __real_rename(from, to);
+}
 int __wrap_renameat(int folder, const char* from, int to_folder, const char* to) {
-  if (plumbline::fails()) return -1;
-  plumbline::note_change(to_folder);
+  if (plumbline::firmware::fails()) return -1;
+  plumbline::firmware::note_change(to_folder);
   return __real_renameat(folder, from, to_folder, to);
 }
 int __wrap_unlinkat(int folder, const char* path, int flags) {
-  if (plumbline::judge(Calls::kRemovals, folder) != plumbline::Verdict::kPass) return -1;
+  if (plumbline::firmware::judge(Calls::kRemovals, folder) != plumbline::firmware::Verdict::kPass) return -1;
   const int removed = __real_unlinkat(folder, path, flags);
   const int reason = errno;
-  if (removed == 0) plumbline::note_name(folder);
+  if (removed == 0) plumbline::firmware::note_name(folder);
   errno = reason;
   return removed;
 }
 int __wrap_close(int file) {
-  const bool failed = plumbline::fails(file);
+  const bool failed = plumbline::firmware::fails(file);
   const int reason = errno;
   const int closed = __real_close(file);
   if (!failed) return closed;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 enum class Calls : std::uint8_t {
   kReads,     ///< read, pread
@@ -43,4 +43,4 @@ class FailingCall {
   bool happened() const;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

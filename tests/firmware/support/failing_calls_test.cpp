@@ -23,7 +23,7 @@
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/hil/session_rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::AnyOf;
@@ -475,4 +475,4 @@ TEST_F(UploadFailure, OfAnyCallRemovesAScanOrSaysThatItIsThere) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -87,7 +87,7 @@ int trapped_posix_memalign(void** block, std::size_t align, std::size_t size) {
 }
 }
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 HeapTrap::HeapTrap() {
   void* warm[kFrames];
@@ -109,4 +109,4 @@ void HeapTrap::print_stacks() {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 
 #include <cstddef>
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// Allocations since the trap was armed.
 struct HeapUse {
@@ -27,4 +27,4 @@ class HeapTrap {
   static void print_stacks();
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

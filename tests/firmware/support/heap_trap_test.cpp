@@ -13,7 +13,7 @@
 #include "firmware/slice/job_summary.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 alignas(64) std::byte arena_block[std::size_t{64} * 1024 * 1024];
@@ -122,4 +122,4 @@ TEST(Job, TakesNothingFromTheHeapWhenItFails) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -17,7 +17,7 @@
 #include "firmware/sample/ply_writer.hpp"
 #include "firmware/slice/slice_job.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 
 /// A folder for one test, removed at the end with its contents.
 class TemporaryFolder {
@@ -96,4 +96,4 @@ inline SliceJobSettings sphere_job(const TemporaryFolder& folder) {
   return settings;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -18,7 +18,7 @@
 
 #include "hal/linux/display/kms_panel.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr int kMask = 4;           // the mistake happens at this mask, counted from 1
@@ -65,4 +65,4 @@ extern "C" int __wrap_gpiod_line_set_value(gpiod_line* line, int value) {
   return __real_gpiod_line_set_value(line, value);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::firmware

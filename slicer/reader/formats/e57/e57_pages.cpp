@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cstring>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint32_t kPolynomial = 0x82F63B78;  ///< bits reversed
@@ -110,4 +110,4 @@ Status E57Pages::read(std::span<char> to) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 
 #include "slicer/reader/stream/byte_input.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// CRC-32C (Castagnoli), as in iSCSI (RFC 3720, appendix B.4).
 std::uint32_t crc32c(std::span<const char> bytes);
@@ -51,4 +51,4 @@ class E57Pages {
   bool checked_ = false;  ///< the page is in the window, and its checksum is right
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 E57Streams::E57Streams(const E57Scan& scan, std::span<char> memory)
     : scan_(scan), now_(memory.first(memory.size() / 2)), next_(memory.subspan(memory.size() / 2)) {}
@@ -78,4 +78,4 @@ void E57Streams::take(std::array<double, kE57Slots>& values) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

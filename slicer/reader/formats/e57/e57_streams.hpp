@@ -8,7 +8,7 @@
 
 #include "slicer/reader/formats/e57/e57_xml.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Collects the streams of the wanted fields packet by packet. A packet may have more points of one field than of another, so
 /// what is left of each stream is kept for the next packet.
@@ -45,4 +45,4 @@ class E57Streams {
   std::array<Stream, kE57Slots> stream_;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/reader/stream/words.hpp"
 #include "slicer/reader/stream/xml_parser.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "reading E57";
@@ -233,4 +233,4 @@ Expected<std::span<E57Scan>> read_e57_xml(E57Pages& pages, std::uint64_t bytes, 
   return scans;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

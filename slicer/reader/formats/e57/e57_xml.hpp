@@ -9,7 +9,7 @@
 #include "slicer/reader/formats/e57/e57_pages.hpp"
 #include "slicer/reader/records/scan_pose.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// One number of a point. Each has a stream of bits of its own.
 struct E57Field {
@@ -48,4 +48,4 @@ struct E57Scan {
 /// @retval ErrorCode::kUnsupported  too many scans or fields, a tag too long for the memory, a document type
 [[nodiscard]] Expected<std::span<E57Scan>> read_e57_xml(E57Pages& pages, std::uint64_t bytes, Arena& memory);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 
 #include "slicer/core/words/plural.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 Expected<std::span<const char>> LzfStream::next() {
   if (end_ > kReach) {
@@ -72,4 +72,4 @@ Status LzfStream::reference(unsigned control) {
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

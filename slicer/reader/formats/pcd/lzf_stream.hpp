@@ -6,7 +6,7 @@
 
 #include "slicer/reader/stream/byte_input.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// A back reference reaches at most 8192 bytes, so a small window suffices for a block of any size.
 ///
@@ -41,4 +41,4 @@ class LzfStream {
   std::size_t end_ = 0;  ///< of the decompressed bytes in window_
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/reader/formats/pcd/lzf_stream.hpp"
 #include "slicer/reader/stream/number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// The block holds all values of the first field, then all of the second, and so on. The wanted columns are kept as they
@@ -179,4 +179,4 @@ Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch
   return ColumnReader(input, header, batch, block).read(kept, *last);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include "slicer/reader/stream/byte_input.hpp"
 #include "slicer/reader/stream/point_batch.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Bytes that read_pcd_compressed() takes from `memory`, saturated; 0 if the file is not compressed.
 std::uint64_t compressed_columns_bytes(const PcdHeader& header);
@@ -14,4 +14,4 @@ std::uint64_t compressed_columns_bytes(const PcdHeader& header);
 /// Reads the points; see read_pcd() for memory and errors.
 [[nodiscard]] Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch& batch, Arena& memory);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -8,7 +8,7 @@
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Far above what any scanner writes; more only come from an attack or a damaged file.
@@ -235,4 +235,4 @@ Expected<PcdHeader> read_pcd_header(LineInput& lines, Arena& memory) {
   return HeaderParser(lines, *fields, *steps).parse();
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

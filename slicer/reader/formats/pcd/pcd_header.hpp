@@ -9,7 +9,7 @@
 #include "slicer/reader/records/record.hpp"
 #include "slicer/reader/stream/line_input.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 struct PcdField {
   std::uint64_t count = 1;               ///< values a point
@@ -37,4 +37,4 @@ struct PcdHeader {
 /// @retval ErrorCode::kNoPoints  it declares no points, or no x, y and z
 [[nodiscard]] Expected<PcdHeader> read_pcd_header(LineInput& lines, Arena& memory);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

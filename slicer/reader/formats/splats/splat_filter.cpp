@@ -4,7 +4,7 @@
 
 #include "slicer/reader/records/scan_pose.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 void SplatFilter::survey(double opacity, double longest) {
   if (!(opacity >= kFaintest) || !std::isfinite(longest)) return;
@@ -44,4 +44,4 @@ PointFilter::Verdict SplatFilter::look(SlotValues& row) {
   return Verdict::kKeep;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

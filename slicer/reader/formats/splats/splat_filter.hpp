@@ -6,7 +6,7 @@
 
 #include "slicer/reader/stream/point_batch.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Reads rows of splats (Kerbl et al., 3D Gaussian Splatting, 2023) with the values that files store: the logit of the
 /// opacity, the logarithms of three radii, and a quaternion w, x, y, z that turns their axes.
@@ -47,4 +47,4 @@ class SplatFilter final : public PointFilter {
   std::array<std::uint64_t, kClasses> count_ = {};
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

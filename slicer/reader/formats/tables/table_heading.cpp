@@ -6,7 +6,7 @@
 
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::size_t kNone = TableHeading::kNoColumn;
@@ -358,4 +358,4 @@ void take_unit_line(std::string_view line, TableHeading& heading) {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

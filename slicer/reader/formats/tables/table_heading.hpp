@@ -8,7 +8,7 @@
 
 #include "slicer/reader/stream/point_batch.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Splits a line into cells. Blanks around a cell and quotes are not part of it; within quotes nothing separates.
 class RowCells {
@@ -55,4 +55,4 @@ TableHeading parse_heading(std::string_view line);
 /// Parses a line of units below the heading, such as ";mm;mm;mm", if it is one.
 void take_unit_line(std::string_view line, TableHeading& heading);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

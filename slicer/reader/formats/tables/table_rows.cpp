@@ -5,7 +5,7 @@
 
 #include "slicer/reader/stream/number.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::size_t kNone = TableHeading::kNoColumn;
@@ -121,4 +121,4 @@ void ProposedHeading::add(std::string_view name) {
   text_[size_] = '\0';
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

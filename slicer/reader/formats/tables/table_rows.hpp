@@ -8,7 +8,7 @@
 #include "slicer/reader/formats/tables/table_heading.hpp"
 #include "slicer/reader/records/record_text.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Whether a cell says that there is no value: NA, N/A, null, none. NaN is a number.
 bool is_missing(std::string_view cell);
@@ -57,4 +57,4 @@ class ProposedHeading {
   bool has_xyz_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

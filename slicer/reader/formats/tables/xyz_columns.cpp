@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Rows whose first column counts them; fewer may do so by chance.
@@ -73,4 +73,4 @@ XyzColumns columns_by_values(std::span<const XyzRow> rows) {
   return columns;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

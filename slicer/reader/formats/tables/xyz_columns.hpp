@@ -8,7 +8,7 @@
 
 #include "slicer/reader/stream/point_batch.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 inline constexpr std::size_t kMaxColumns = 16;  ///< columns that are read; a row may have more
 
@@ -45,4 +45,4 @@ std::size_t leading_counters(std::span<const XyzRow> rows);
 /// normals would not be.
 XyzColumns columns_by_values(std::span<const XyzRow> rows);
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 /// Triangles between two reports of progress: fewer milliseconds than a person notices.
@@ -191,4 +191,4 @@ Status ModelCopy::deliver(ModelParts& parts, TriangleBatch& batch, double done) 
   return {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -11,7 +11,7 @@
 #include "slicer/reader/triangles/triangle_batch.hpp"
 #include "slicer/reader/triangles/vertex_list.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// The objects of a file, one after another, as a stream that is read from its beginning: their vertices as VertexList keeps them, and for
 /// each corner of a triangle the difference to the number of the corner before, mostly in one or two bytes. Made while the file is read for
@@ -114,4 +114,4 @@ class PlacedTriangles {
   VolumeRole role_ = VolumeRole::kSolid;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -7,7 +7,7 @@
 #include "slicer/reader/stream/words.hpp"
 #include "slicer/reader/stream/xml_parser.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "reading 3MF";
@@ -175,4 +175,4 @@ ModelParts::Found ModelParts::follow(const ObjectKey& object, const Affine& so_f
   return Found::kAll;
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

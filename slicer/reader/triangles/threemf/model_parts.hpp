@@ -11,7 +11,7 @@
 #include "slicer/core/numbers/vec.hpp"
 #include "slicer/reader/triangles/triangle.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// x -> linear x + shift
 struct Affine {
@@ -139,4 +139,4 @@ class ModelParts {
   std::uint64_t root_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

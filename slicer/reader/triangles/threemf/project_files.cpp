@@ -5,7 +5,7 @@
 
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 void complain_of_volumes(XmlParser& parser) {
   parser.complain("more than %zu negative volumes, modifiers, support enforcers and blockers",
@@ -72,4 +72,4 @@ void ProjectLines::end_line() {
   line_ = {};
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -9,7 +9,7 @@
 #include "slicer/reader/triangles/threemf/model_parts.hpp"
 #include "slicer/reader/triangles/threemf/text_head.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Too many volumes have a role.
 void complain_of_volumes(XmlParser& parser);
@@ -51,4 +51,4 @@ class ProjectLines {
   bool has_list_ = false;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Its first `Size` bytes.
 template <std::size_t Size>
@@ -24,4 +24,4 @@ class TextHead {
   std::size_t size_ = 0;
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -10,7 +10,7 @@
 #include "slicer/reader/triangles/threemf/zip_parts.hpp"
 #include "slicer/reader/triangles/triangle_formats.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "reading 3MF";
@@ -489,4 +489,4 @@ Status read_3mf_copy(const ModelCopy& copy, TriangleBatch& batch, Arena& memory)
   return copy.deliver(*parts, batch, 0);
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 
 #include "slicer/reader/stream/words.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 namespace {
 
 constexpr std::uint64_t kPart = 0x04034b50;        ///< signature of a part's header
@@ -177,4 +177,4 @@ Status ZipParts::finish_part() {
   }
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

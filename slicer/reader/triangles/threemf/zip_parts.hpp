@@ -9,7 +9,7 @@
 #include "slicer/reader/stream/byte_input.hpp"
 #include "slicer/reader/stream/inflate_stream.hpp"
 
-namespace plumbline {
+namespace plumbline::inline slicer {
 
 /// Follows the headers in front of the parts (APPNOTE.TXT 4.3.7), so the archive is read as a stream. The directory at its end, which
 /// minizip needs first, is not used. Sizes and checksums are those of the headers, or follow the data.
@@ -62,4 +62,4 @@ class ZipParts {
   std::uint64_t unpacked_ = 0;  ///< of all parts so far
 };
 
-}  // namespace plumbline
+}  // namespace plumbline::inline slicer

@@ -4,7 +4,7 @@
 
 #include "firmware/print/job/print_plan.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -31,4 +31,4 @@ TEST(PrintTime, IsUnknownWhereTheBoardFileDescribesNoMachine) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -22,7 +22,7 @@
 #include "firmware/state/state_link.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -303,4 +303,4 @@ TEST(ServiceStatus, SaysHowThePrintEnded) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::ElementsAre;
@@ -145,4 +145,4 @@ TEST(StickJob, IsExplainedKeyByKeyInTheReadme) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

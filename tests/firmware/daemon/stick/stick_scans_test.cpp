@@ -20,7 +20,7 @@
 #include "firmware/io/scan_names.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::ElementsAre;
@@ -287,4 +287,4 @@ TEST_F(StickList, HasAllPartitions) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 
 #include "tests/firmware/child/child_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -104,4 +104,4 @@ TEST_F(StickTask, BelievesNoFieldOutOfRange) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -19,7 +19,7 @@
 #include "firmware/daemon/upload/upload_name.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -323,4 +323,4 @@ TEST_F(UploadsTest, TakeALargeOneInTurns) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 std::optional<std::string> decoded(std::string_view text, std::size_t room = 64) {
@@ -57,4 +57,4 @@ TEST(Base64, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -8,7 +8,7 @@
 
 #include "firmware/io/text/text_sink.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 struct Pixel {
@@ -46,4 +46,4 @@ TEST(JsonFields, WriteMembersAndResultsInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

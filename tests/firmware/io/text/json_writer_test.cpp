@@ -9,7 +9,7 @@
 #include "firmware/io/output_file.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// The text that `write` produces.
@@ -95,4 +95,4 @@ TEST(JsonWriter, ReportsAFullDiskAtTheEnd) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace plumbline::preview {
+namespace plumbline::firmware::preview {
 namespace {
 
 /// Pixels from the near side of the extent to the first solid one, counted one by one.
@@ -51,4 +51,4 @@ TEST(NearestSolid, IsTheFirstPixelOfEachLineAfterAnyChanges) {
 }
 
 }  // namespace
-}  // namespace plumbline::preview
+}  // namespace plumbline::firmware::preview

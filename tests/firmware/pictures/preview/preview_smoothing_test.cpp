@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// One pass over one line, sample by sample: opposite neighbours in pairs, until a pair bends more than voxels do or is an edge.
@@ -77,4 +77,4 @@ TEST(SmoothDepth, AveragesAsItsFormulaDoesInMapsOfAnySize) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -14,7 +14,7 @@
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "tests/slicer/support/solid.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace testing;
@@ -312,4 +312,4 @@ TEST(Picture, IgnoresPixelsOutsideIt) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

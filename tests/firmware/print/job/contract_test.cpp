@@ -11,7 +11,7 @@
 #include "firmware/settings/print_values.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::ElementsAre;
@@ -160,4 +160,4 @@ TEST(PrintValue, IsANumberInItsRangeOrTakenBack) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -15,7 +15,7 @@
 #include "firmware/print/job/job_file.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::ElementsAreArray;
@@ -188,4 +188,4 @@ TEST(BoardHash, ChangesWithMasksAndHeightsAndNotWithComments) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

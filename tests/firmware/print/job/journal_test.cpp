@@ -11,7 +11,7 @@
 
 #include "firmware/io/hash64.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace journal_test {
 
 using namespace plumbline::literals;
@@ -400,4 +400,4 @@ TEST(Hash64, CountsZerosAtTheEnd) {
 }
 
 }  // namespace journal_test
-}  // namespace plumbline
+}  // namespace plumbline::firmware

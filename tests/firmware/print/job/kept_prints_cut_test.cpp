@@ -15,7 +15,7 @@
 #include "tests/firmware/support/failing_calls.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::AnyOf;
@@ -253,4 +253,4 @@ TEST_F(KeptPrintsCut, OneThatCantBeReadAtTheStartStaysWhereItIs) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -10,7 +10,7 @@
 
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::ElementsAre;
@@ -134,4 +134,4 @@ TEST_F(KeptPrintsTest, OneThatCantBeWrittenLeavesTheOthers) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -12,7 +12,7 @@
 #include "tests/firmware/support/failing_calls.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 class MachineRecordCut : public ::testing::Test {
@@ -150,4 +150,4 @@ TEST_F(MachineRecordCut, AnyCallThatFailsIsToldAndThePlateCountsAsInUse) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -7,7 +7,7 @@
 
 #include "tests/firmware/support/job_fixture.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace machine_record_test {
 
 using namespace std::chrono_literals;
@@ -227,4 +227,4 @@ TEST_F(MachineRecordTest, WithoutAFolderCountsOnAFullTank) {
 }
 
 }  // namespace machine_record_test
-}  // namespace plumbline
+}  // namespace plumbline::firmware

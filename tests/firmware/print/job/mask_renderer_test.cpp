@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// An image that owns its words.
@@ -68,4 +68,4 @@ TEST(Erode, AgreesWithAPixelByPixelLoop) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

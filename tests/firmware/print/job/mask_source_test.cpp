@@ -8,7 +8,7 @@
 
 #include "firmware/io/mask_hash.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -54,4 +54,4 @@ TEST(ArchiveMasks, ShowsNoMaskButTheOneThatWasChecked) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

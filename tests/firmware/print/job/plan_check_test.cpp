@@ -11,7 +11,7 @@
 
 #include "firmware/messages/printer_code.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace plumbline::literals;
@@ -224,4 +224,4 @@ TEST(PlanCheck, EveryBoardTakesTheProfilesThatComeWithIt) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -11,7 +11,7 @@
 
 #include "firmware/print/job/sliced_archive.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace plumbline::literals;
@@ -259,4 +259,4 @@ TEST(PrintPlan, ResinIsTheVolumeOfThePixelsAndCostsItsShareOfTheBottle) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

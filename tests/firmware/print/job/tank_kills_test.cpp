@@ -18,7 +18,7 @@
 #include "tests/firmware/support/failing_calls.hpp"
 #include "tests/hil/session_rig.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 constexpr std::uint32_t kTowerLayers = 40;
@@ -217,4 +217,4 @@ TEST_F(TankKills, LeaveTheResinInTheRecordWithinAFiftiethOfAMillilitreAndNeverMo
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

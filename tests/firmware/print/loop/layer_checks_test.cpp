@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -53,4 +53,4 @@ TEST(LayerChecks, EndAPrintWhoseDoseIsOffByOverATwentieth) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace plumbline::literals;
@@ -98,4 +98,4 @@ TEST(ResumeCheck, SaysWhatWasFoundAndWhatToMeasure) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using namespace std::chrono_literals;
@@ -42,4 +42,4 @@ TEST(PrintLines, GiveTimesInTheUnitsThatMatter) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -11,7 +11,7 @@
 
 #include "firmware/print/status/fault.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 using ::testing::HasSubstr;
@@ -174,4 +174,4 @@ TEST(Fault, TableInTheReadmeIsThisTable) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware

@@ -8,7 +8,7 @@
 
 #include "firmware/print/status/print_state.hpp"
 
-namespace plumbline {
+namespace plumbline::firmware {
 namespace {
 
 /// Writes down a row of the card: "| on | - | blinks | - | - |".
@@ -57,4 +57,4 @@ TEST(StateLights, AreThoseOfTheCard) {
 }
 
 }  // namespace
-}  // namespace plumbline
+}  // namespace plumbline::firmware
