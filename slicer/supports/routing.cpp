@@ -48,7 +48,7 @@ constexpr double kAtTip = 0.75;
 /// Lengths of heads, as shares of head_width.
 constexpr std::array<double, 3> kLengths = {1, 0.5, 0.25};
 
-// Light up to kLightLoad or a quarter of the most load, heavy above three quarters: diameters of tip and pillar.
+// Light up to a quarter of the most load, for an island up to kLightLoad; heavy above three quarters: diameters of tip and pillar.
 struct LoadClass {
   double tip, pillar;
   std::uint32_t RouteCounts::*count;
@@ -75,9 +75,8 @@ Routing::Routing(const SupportSettings& settings, double raft_mm, const Obstacle
 Expected<bool> Routing::route(const Tip& tip) {
   const double carries = tip.load * px_ * py_;
   const double most = settings_.area_per_tip;
-  const LoadClass& load = carries < std::min(kLightLoad, 0.25 * most) ? kLight
-                          : carries > 0.75 * most                     ? kHeavy
-                                                                      : kMedium;
+  const double light = tip.island ? std::min(kLightLoad, 0.25 * most) : 0.25 * most;
+  const LoadClass& load = carries < light ? kLight : carries > 0.75 * most ? kHeavy : kMedium;
   Head head;
   head.tip = {tip.column * px_, tip.row * py_, tip.layer * lh_};
   head.radius = settings_.pillar_diameter / 2 * load.pillar;

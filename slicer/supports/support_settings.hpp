@@ -37,7 +37,7 @@ struct SupportSettings {
   double pad_brim_size = 0.8;  ///< by which it is wider than the bases: as wide as its bevel
   double pad_max_merge_distance = 50;  ///< between bases that it joins
   // What follows is ours.
-  double overhang_angle = 45;  ///< from the horizontal; a steeper surface carries itself
+  double overhang_angle = 35;  ///< from the horizontal; a steeper surface carries itself
   double overhang_span = 5;    ///< between two held places; an overhang longer than half of it gets supports
   double area_per_tip = 12;    ///< mm2 of overhang that a tip carries at most
 };
@@ -53,7 +53,7 @@ struct SupportField {
 
 /// Diameter of a tip of light load, as a share of head_front_diameter.
 inline constexpr double kLightTip = 0.75;
-/// mm2 of overhang that it carries at most: an island of more, on one such tip, is one to UVtools still.
+/// mm2 of an island that it carries at most: one of more, on one such tip, is an island to UVtools still.
 inline constexpr double kLightLoad = 0.7;
 
 /// Largest support_overhang_span, mm: bounds the memory of the search.

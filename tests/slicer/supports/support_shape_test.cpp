@@ -212,6 +212,7 @@ TEST(SupportShape, PointsHeadsAlongTheSurfacesNormal) {
     return c >= 100 && c < 200 && r >= 100 && r < 160 && up >= 20 && up < 50;
   };
   SupportSettings settings;
+  settings.overhang_angle = 45;
   settings.area_per_tip = 4;
   const Print print(300, 140, slab, settings);
   int along = 0;
