@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "slicer/checks/what_matters.hpp"
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/supports/stand.hpp"
 
@@ -43,10 +44,21 @@ Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings, con
   return supports;
 }
 
-AddedSupports added_supports(const SupportCounts& counts, const SliceReport& report) {
-  return {.drawn = counts.all() > 0 || counts.pads > 0,
-          .raft_layers = counts.lifted,
-          .object_clear = report.extent.keeps_off_edge(report.placement.grid, kEdgeMargin)};
+void finish_findings(StackFindings& findings, const SupportCounts& counts, const SliceReport& report) {
+  const auto add = [&](IssueKind kind, const UnreachedTips& unreached) {
+    if (unreached.count == 0) return;
+    const Tip& tip = unreached.largest;
+    const std::uint64_t load = std::max(tip.load, 1U);  // what its head would have held is not in it
+    IssueGroup& group = findings.of(kind);
+    group.add({kind, tip.layer, tip.layer, tip.layer, tip.column, tip.row, load, load});
+    group.count = unreached.count;
+  };
+  add(IssueKind::kUnreached, counts.unreached_overhangs);
+  add(IssueKind::kUnreachedIsland, counts.unreached_islands);
+  find_what_matters(findings, report.placement.grid,
+                    {.drawn = counts.all() > 0 || counts.pads > 0,
+                     .raft_layers = counts.lifted,
+                     .object_clear = report.extent.keeps_off_edge(report.placement.grid, kEdgeMargin)});
 }
 
 PlacementRoom support_room(const SupportSettings& settings) {

@@ -1,7 +1,7 @@
 #pragma once
 /// Adds supports to a sliced scan.
 
-#include "slicer/checks/what_matters.hpp"
+#include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/placement/placement.hpp"
@@ -19,8 +19,8 @@ namespace plumbline::inline slicer {
                                               const PlacementSettings& placement, Arena& arena, ProgressSink* progress,
                                               SliceReport& report, SupportCounts& counts);
 
-/// What of a print's findings these supports may cause: for find_what_matters().
-AddedSupports added_supports(const SupportCounts& counts, const SliceReport& report);
+/// Adds the largest place of those that no support reaches to what the checks of the print's masks have found, and finds what matters.
+void finish_findings(StackFindings& findings, const SupportCounts& counts, const SliceReport& report);
 
 /// Room that supports need round the object: heads, bases and raft beside it, and the lift below.
 PlacementRoom support_room(const SupportSettings& settings);

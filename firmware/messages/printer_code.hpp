@@ -23,6 +23,8 @@ enum class PrinterCode : std::uint16_t {
   kFirstLayerArea,
   kPeelArea,
   kPeelJump,
+  kUnreached,
+  kUnreachedIsland,
   // What was left out of a scan or changed in it.
   kUnitsIgnored,
   kUnitsGuessed,

@@ -90,12 +90,14 @@ Rgb colour_at(const Issue& issue, const Layer& layer, std::uint32_t column, std:
   bool is_issue = false;
   switch (issue.kind) {
     case IssueKind::kOverhang:
+    case IssueKind::kUnreached:
     case IssueKind::kPeelJump: is_issue = white && !below; break;
     case IssueKind::kIsland:
     case IssueKind::kFreePiece:
     case IssueKind::kTear:
     case IssueKind::kResinTrap:
     case IssueKind::kSuctionCup:
+    case IssueKind::kUnreachedIsland:
       is_issue = layer.region != LayerRegions::kNone && white != is_air(issue.kind) &&
                  layer.regions->region(run_at(*layer.regions, column, row)) == layer.region;
       break;
@@ -184,7 +186,8 @@ Status draw_tiles(const Picture& picture, const TileLayout& tile, const ShownIss
     Layer layer{.mask = images[1], .below = images[0], .regions = &*regions, .box = {}};
     if (regions->label(images[1])) {
       const bool is_region = is_air(issue.kind) || issue.kind == IssueKind::kIsland ||
-                             issue.kind == IssueKind::kFreePiece || issue.kind == IssueKind::kTear;
+                             issue.kind == IssueKind::kFreePiece || issue.kind == IssueKind::kTear ||
+                             issue.kind == IssueKind::kUnreachedIsland;
       if (is_region) layer.region = regions->region(run_at(*regions, issue.column, issue.row));
       layer.box = box_of(*regions, layer.region);
     }

@@ -24,6 +24,7 @@ struct CheckPolicy {
   CheckPolicy() {
     actions.fill(CheckAction::kWarn);
     of(IssueKind::kPrintHeight) = CheckAction::kRefuse;
+    of(IssueKind::kUnreachedIsland) = CheckAction::kAsk;
   }
   CheckAction& of(IssueKind kind) { return actions[static_cast<std::size_t>(kind)]; }
   CheckAction of(IssueKind kind) const { return actions[static_cast<std::size_t>(kind)]; }

@@ -162,10 +162,6 @@ void add_supports(Text& text, const JobReport& report) {
       "           tips: %u light, %u medium, %u heavy; one carries at most %.1f mm2; %u brace%s, pillars free over "
       "%.1f mm at most\n",
       s.light, s.medium, s.heavy, s.largest_load_mm2, s.braces, plural_s(s.braces), s.longest_free_mm);
-  if (s.unreached > 0) {
-    text.add("           %u place%s without a support, which would touch the object's walls\n", s.unreached,
-             plural_s(s.unreached));
-  }
 }
 
 void add_stage(Text& text, std::string_view name, double seconds, std::size_t peak, std::size_t planned) {

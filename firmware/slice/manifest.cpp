@@ -132,7 +132,7 @@ void write_supports(JsonWriter& json, const JobReport& report) {
   json.member("light", s.light);
   json.member("medium", s.medium);
   json.member("heavy", s.heavy);
-  json.member("unreached", s.unreached);
+  json.member("unreached", s.unreached());
   json.member("braces", s.braces);
   json.member("helper_pillars", s.helpers);
   json.member("pads", s.pads);

@@ -16,7 +16,6 @@
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/proof_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
-#include "slicer/checks/what_matters.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/support_building.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
@@ -143,7 +142,7 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
     PLUMBLINE_TRY(kept);
   }
   report_.findings = checker->finish();
-  find_what_matters(*report_.findings, rrep.grid, added_supports(report_.supports, report_.slice));
+  finish_findings(*report_.findings, report_.supports, report_.slice);
   report_.cured_pixels = report_.findings->voxels;
   if (object_pixels) report_.support_pixels = report_.cured_pixels - *object_pixels;
   return judge(*report_.findings, rrep.grid, settings_.checks);

@@ -20,8 +20,10 @@ enum class IssueKind : std::uint8_t {
   kFirstLayerArea,  ///< the plate holds too little
   kPeelArea,        ///< a layer has more area than the film lets go easily
   kPeelJump,        ///< a layer has much more area than the one below
+  kUnreached,  ///< an overhang that needs a support, to which no way leads; its pixels are the overhang that a tip would carry
+  kUnreachedIsland,  ///< the same of an island
 };
-inline constexpr std::size_t kIssueKindCount = 12;
+inline constexpr std::size_t kIssueKindCount = 14;
 
 enum class IssueSize : std::uint8_t { kArea, kVolume, kLayers };
 
@@ -55,6 +57,10 @@ inline constexpr std::array<IssueWords, kIssueKindCount> kIssueWords = {{
      "turn the part, since the plate may lose it, or add supports"},
     {"peel_area", "large peel area", "large peel areas", IssueSize::kArea, "lift more slowly, or turn the object"},
     {"peel_jump", "jump in area", "jumps in area", IssueSize::kArea, "turn the object so that its area grows slowly"},
+    {"unreached", "overhang that no support reaches", "overhangs that no support reaches", IssueSize::kArea,
+     "turn the object, or set orient to auto"},
+    {"unreached_island", "island that no support reaches", "islands that no support reaches", IssueSize::kArea,
+     "turn the object, or set orient to auto"},
 }};
 constexpr const IssueWords& words_of(IssueKind kind) { return kIssueWords[static_cast<std::size_t>(kind)]; }
 

@@ -6,14 +6,15 @@
 namespace plumbline::inline slicer {
 namespace {
 
-/// ml; 0: all of the kind matter.
-double floor_ml(IssueKind kind) {
-  switch (kind) {
+bool is_small(const Issue& issue, const IssueScale& scale) {
+  const double mm3 = 1000 * scale.ml(issue.voxels);
+  switch (issue.kind) {
     case IssueKind::kFreePiece:
-    case IssueKind::kTear: return MatteringFloors::kPiece_mm3 / 1000;
-    case IssueKind::kResinTrap: return MatteringFloors::kTrap_mm3 / 1000;
-    case IssueKind::kSuctionCup: return MatteringFloors::kCup_mm3 / 1000;
-    default: return 0;
+    case IssueKind::kTear: return mm3 < MatteringFloors::kPiece_mm3;
+    case IssueKind::kResinTrap: return mm3 < MatteringFloors::kTrap_mm3;
+    case IssueKind::kSuctionCup: return mm3 < MatteringFloors::kCup_mm3;
+    case IssueKind::kUnreached: return scale.mm2(issue.pixels) < MatteringFloors::kSag_mm2;
+    default: return false;
   }
 }
 
@@ -32,7 +33,9 @@ bool is_of_supports(const Issue& issue, const AddedSupports& added) {
     case IssueKind::kFreePiece:
     case IssueKind::kTear:
     case IssueKind::kEmptyLayer:
-    case IssueKind::kPrintHeight: break;
+    case IssueKind::kPrintHeight:
+    case IssueKind::kUnreached:
+    case IssueKind::kUnreachedIsland: break;
   }
   return false;
 }
@@ -43,21 +46,21 @@ void find_what_matters(StackFindings& findings, const PrintGrid& grid, const Add
   const IssueScale scale(grid);
   for (std::size_t i = 0; i < kIssueKindCount; ++i) {
     IssueGroup& group = findings.groups[i];
-    const double floor = floor_ml(static_cast<IssueKind>(i));
-    const auto is_small = [&](const Issue& issue) { return floor > 0 && scale.ml(issue.voxels) < floor; };
     const auto kept = std::span(group.kept).first(group.kept_count);
     const bool all_of_supports = static_cast<IssueKind>(i) == IssueKind::kOverhang && added.drawn;
     // Those that are not kept are no larger than the last one.
-    const bool rest_is_minor = all_of_supports || (!kept.empty() && is_small(kept.back()));
+    const bool rest_is_minor = all_of_supports || (!kept.empty() && is_small(kept.back(), scale));
     // As std::stable_partition(), which asks the heap for room.
     auto minor = kept.begin();
     for (auto issue = kept.begin(); issue != kept.end(); ++issue) {
-      if (!is_small(*issue) && !is_of_supports(*issue, added)) std::rotate(minor++, issue, issue + 1);
+      if (!is_small(*issue, scale) && !is_of_supports(*issue, added)) std::rotate(minor++, issue, issue + 1);
     }
     const auto kept_minor = static_cast<std::uint32_t>(kept.end() - minor);
     const bool none_matters = rest_is_minor || minor == kept.begin();
     group.minor = kept_minor + (none_matters ? group.count - group.kept_count : 0);
   }
+  const bool any_lost = findings.of(IssueKind::kFreePiece).told() > 0 || findings.of(IssueKind::kTear).told() > 0;
+  if (IssueGroup& islands = findings.of(IssueKind::kUnreachedIsland); !any_lost) islands.minor = islands.count;
 }
 
 }  // namespace plumbline::inline slicer

@@ -5,6 +5,7 @@
 
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/print_grid.hpp"
+#include "slicer/supports/support_settings.hpp"
 
 namespace plumbline::inline slicer {
 
@@ -16,6 +17,8 @@ struct MatteringFloors {
   static constexpr double kTrap_mm3 = 0.1;
   /// Suction cups, mm3. At 20 kPa (PeelSettings) a cup of the least height that counts, 0.5 mm, pulls with 0.02 N here: less than a tip holds.
   static constexpr double kCup_mm3 = 0.5;
+  /// Overhangs that no support reaches, mm2: what a light tip carries at most, a disc of 0.94 mm.
+  static constexpr double kSag_mm2 = kLightLoad;
 };
 
 /// What plumbline itself has added to the object.
@@ -26,7 +29,8 @@ struct AddedSupports {
   bool object_clear = false;      ///< the object itself keeps off the panel's edge
 };
 
-/// Sets IssueGroup::minor, and puts what matters first among what is kept.
+/// Sets IssueGroup::minor, and puts what matters first among what is kept. An island that no support reaches matters if a piece that does
+/// falls or tears off: else it soon grew into what is held.
 /// @param grid  of the masks
 void find_what_matters(StackFindings& findings, const PrintGrid& grid, const AddedSupports& added);
 

@@ -84,7 +84,7 @@ Expected<bool> Routing::route(const Tip& tip) {
   const auto done = find_way(tip, head);
   PLUMBLINE_TRY(done);
   if (!*done) {
-    ++counts_.unreached;
+    (tip.island ? counts_.unreached_islands : counts_.unreached_overhangs).add(tip);
     return false;
   }
   ++(counts_.*load.count);

@@ -17,8 +17,8 @@ struct RouteCounts {
   std::uint32_t on_plate = 0;     ///< have a pillar of their own on the plate
   std::uint32_t on_supports = 0;  ///< hang on another tip's pillar
   std::uint32_t on_object = 0;    ///< stand on the object, since no way leads past it
-  std::uint32_t unreached = 0;    ///< have no support, since each would touch the object or end at its walls
   std::uint32_t light = 0, medium = 0, heavy = 0;
+  UnreachedTips unreached_islands, unreached_overhangs;
 };
 
 /// A tip's head goes along the surface's normal, tilted by 45 degrees at most, or aside. From where it ends, the load goes, in this order,

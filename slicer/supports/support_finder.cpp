@@ -96,7 +96,8 @@ Status build(std::span<Tip> tips, const SupportSettings& settings, double raft_m
   counts.on_plate = routes.on_plate;
   counts.on_object = routes.on_object;
   counts.on_supports = routes.on_supports;
-  counts.unreached = routes.unreached;
+  counts.unreached_islands = routes.unreached_islands;
+  counts.unreached_overhangs = routes.unreached_overhangs;
   counts.light = routes.light;
   counts.medium = routes.medium;
   counts.heavy = routes.heavy;

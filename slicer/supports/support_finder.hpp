@@ -11,6 +11,7 @@
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 #include "slicer/supports/support_settings.hpp"
+#include "slicer/supports/tips.hpp"
 
 namespace plumbline::inline slicer {
 
@@ -22,7 +23,7 @@ struct SupportCounts {
   std::uint32_t on_object = 0;
   std::uint32_t on_supports = 0;  ///< hang on another support's pillar
   std::uint32_t light = 0, medium = 0, heavy = 0;
-  std::uint32_t unreached = 0;  ///< tips without a support, since it would touch the object's walls
+  UnreachedTips unreached_islands, unreached_overhangs;
   std::uint32_t braces = 0;
   std::uint32_t helpers = 0;  ///< pillars that carry nothing but brace another
   std::uint32_t specks = 0;   ///< left out of the print instead
@@ -37,6 +38,7 @@ struct SupportCounts {
   double largest_load_mm2 = 0;  ///< of overhang, on one tip
 
   std::uint32_t all() const { return on_plate + on_object + on_supports; }
+  std::uint32_t unreached() const { return unreached_islands.count + unreached_overhangs.count; }
 };
 
 /// Chooses how the object stands (stand.hpp), finds what must be held and what is too small to be (tips.hpp), leads it to the plate (routing.hpp), braces

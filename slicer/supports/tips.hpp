@@ -26,6 +26,17 @@ struct Tip {
   std::uint32_t close = 0;  ///< those of them that are nearer than points_minimal_distance
 };
 
+/// Tips that get no support: each would touch the object or end at its walls.
+struct UnreachedTips {
+  std::uint32_t count = 0;
+  Tip largest;  ///< of them, by its load; of equal ones the first
+
+  void add(const Tip& tip) {
+    if (count == 0 || tip.load > largest.load) largest = tip;
+    ++count;
+  }
+};
+
 /// A pixel of a speck: of an island that its own tip would cover, so the print does without it.
 struct SpeckPixel {
   std::uint32_t pixel = 0;  ///< row * columns + column

@@ -39,6 +39,21 @@ TEST(WhatMatters, LeavesOutWhatNobodyCouldSeeOnThePart) {
   EXPECT_EQ(told(issue(IssueKind::kSuctionCup, 100, 110, 3999)), 0U);
   EXPECT_EQ(told(issue(IssueKind::kSuctionCup, 100, 110, 4001)), 1U) << "0.5 mm3";
   EXPECT_EQ(told(issue(IssueKind::kIsland, 100, 100, 1)), 1U) << "what grows on it may be large";
+  EXPECT_EQ(told(issue(IssueKind::kUnreached, 100, 100, 4 * 279)), 0U);
+  EXPECT_EQ(told(issue(IssueKind::kUnreached, 100, 100, 4 * 281)), 1U) << "0.7 mm2";
+}
+
+TEST(WhatMatters, TellsOfIslandsThatNoSupportReachesIfSomethingIsLost) {
+  StackFindings findings;
+  IssueGroup& islands = findings.of(IssueKind::kUnreachedIsland);
+  islands.add(issue(IssueKind::kUnreachedIsland, 100, 100, 4));
+  islands.count = 3;
+  findings.of(IssueKind::kFreePiece).add(issue(IssueKind::kFreePiece, 100, 101, 100));
+  find_what_matters(findings, kFine, {.drawn = true});
+  EXPECT_EQ(islands.told(), 0U) << "0.0125 mm3 fall";
+  findings.of(IssueKind::kFreePiece).add(issue(IssueKind::kFreePiece, 100, 110, 161));
+  find_what_matters(findings, kFine, {.drawn = true});
+  EXPECT_EQ(islands.told(), 3U);
 }
 
 TEST(WhatMatters, LeavesOutWhatOnlySupportsCause) {

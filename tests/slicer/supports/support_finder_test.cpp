@@ -65,7 +65,7 @@ struct Supported {
 /// Checks what holds for every object: nothing floats but what no support reaches; each tip is at the object, no strut passes through it, and each is there in
 /// all of its layers; no pixel of the object is lost.
 void expect_printable(const Supported& s) {
-  EXPECT_LE(floating_islands(s.masks), 2 * s.counts.unreached);
+  EXPECT_LE(floating_islands(s.masks), 2 * s.counts.unreached());
   for (const Strut& strut : s.supports.list) {
     if (strut.kind == StrutKind::kTip) {
       EXPECT_TRUE(s.object[strut.first].at(strut.column0, strut.row0));
@@ -89,9 +89,9 @@ void expect_printable(const Supported& s) {
     }
   }
   EXPECT_EQ(s.counts.all(), s.supports.tips());
-  EXPECT_EQ(s.counts.islands + s.counts.overhangs, s.counts.all() + s.counts.unreached);
+  EXPECT_EQ(s.counts.islands + s.counts.overhangs, s.counts.all() + s.counts.unreached());
   EXPECT_EQ(s.counts.light + s.counts.medium + s.counts.heavy, s.counts.all());
-  if (s.counts.unreached == 0) {
+  if (s.counts.unreached() == 0) {
     EXPECT_LE(s.hang(), kReach + kRounded);
   }
 }

@@ -236,7 +236,7 @@ TEST(SupportShape, KeepsPillarsAMillimetreFromWallsAndLeadsThemToThePlate) {
   const Print print(260, 100, table);
   EXPECT_EQ(print.counts.lifted, 0U);
   EXPECT_EQ(floating_islands(print.masks), 0U);
-  EXPECT_EQ(print.counts.unreached, 0U);
+  EXPECT_EQ(print.counts.unreached(), 0U);
   std::uint32_t measured = 0;
   for (const Strut& strut : print.of(StrutKind::kPillar)) {
     if (strut.first > 0) continue;
@@ -263,7 +263,7 @@ TEST(SupportShape, GivesNoSupportToWhatItCantReach) {
   };
   const Print print(200, 110, things);
   EXPECT_EQ(print.counts.all(), 1U);
-  EXPECT_EQ(print.counts.unreached, 1U);
+  EXPECT_EQ(print.counts.unreached(), 1U);
   EXPECT_EQ(floating_islands(print.masks), 1U) << "the one in the shaft";
   for (const Strut& strut : print.supports.list) EXPECT_GT(strut.column0, 100);
 }
