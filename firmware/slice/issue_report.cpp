@@ -96,8 +96,10 @@ void write_largest(JsonWriter& json, std::string_view name, std::uint32_t layer,
 
 }  // namespace
 
-CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel, double overcure_mm) {
+CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel, double overcure_mm,
+                         OverhangRule overhangs) {
   CheckLimits limits;
+  limits.overhangs = overhangs;
   limits.cured_gap_mm = overcure_mm;
   limits.peel = peel;
   if (const auto& printer = placement.printer) {

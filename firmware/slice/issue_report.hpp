@@ -12,11 +12,17 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
 #include "slicer/placement/placement.hpp"
+#include "slicer/supports/support_settings.hpp"
 
 namespace plumbline::firmware {
 
 /// The limits for a job. With a printer its panel has an edge and its Z stage a travel.
-CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel, double overcure_mm);
+CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel, double overcure_mm,
+                         OverhangRule overhangs = OverhangRule::kEroded);
+/// The rule for masks of our own: what the finder has put supports below has been dealt with.
+inline OverhangRule rule_for(const std::optional<SupportSettings>& supports) {
+  return supports ? OverhangRule::kNone : OverhangRule::kNeedSupport;
+}
 
 /// The limits for coarse masks, whose pixels are larger than those that the defaults are meant for.
 CheckLimits coarse_limits(const PrintGrid& grid, const PeelSettings& peel);

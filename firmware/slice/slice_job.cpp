@@ -121,8 +121,9 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
   auto stream = MaskStream::create(rrep, supports, *arena_, !object_pixels);
   PLUMBLINE_TRY(stream);
   const ArenaScope scratch(*arena_);
-  auto checker = StackChecker::create(
-      rrep.grid, check_limits(settings_.slice.placement, settings_.slice.peel, settings_.slice.overcure_mm), *arena_);
+  const auto limits = check_limits(settings_.slice.placement, settings_.slice.peel, settings_.slice.overcure_mm,
+                                   rule_for(settings_.supports));
+  auto checker = StackChecker::create(rrep.grid, limits, *arena_);
   PLUMBLINE_TRY(checker);
   const std::uint32_t layers = rrep.grid.layers;
   ConstBitImage mask = stream->mask(0);

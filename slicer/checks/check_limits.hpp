@@ -9,13 +9,21 @@
 
 namespace plumbline::inline slicer {
 
+/// Which new pixels are overhangs.
+enum class OverhangRule : std::uint8_t {
+  kEroded,       ///< UVtools': those that remain when they are eroded
+  kNeedSupport,  ///< the support finder's: those that would get a tip below an overhang, with its default settings
+  kNone,         ///< none: the finder's tips are in the masks, and it tells to which no way leads
+};
+
 /// Defaults are UVtools' as far as it has the check. They are pixels where UVtools counts pixels, whatever the pitch. UVtools has
 /// two sets of them: those of its library and command line (IslandDetectionConfiguration and its like), and those of its window
 /// (UserSettings). Where these differ, the more useful one is here, and the other one is named.
 struct CheckLimits {
   IslandShare island;
   std::uint32_t overhang_reach = 40;  ///< pixels: ErodeIterations; 49 in the window
-  std::uint32_t drain_pixels = 10;    ///< RequiredBlackPixelsToDrain: a smaller opening between layers drains nothing
+  OverhangRule overhangs = OverhangRule::kEroded;
+  std::uint32_t drain_pixels = 10;  ///< RequiredBlackPixelsToDrain: a smaller opening between layers drains nothing
   /// Of the largest region of a resin trap: RequiredAreaToProcessCheck of the window. The library's is 4, but traps that small are
   /// those of one layer between the grey edges of supports.
   std::uint32_t trap_pixels = 17;

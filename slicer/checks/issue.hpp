@@ -38,8 +38,7 @@ struct IssueWords {
 /// By IssueKind.
 inline constexpr std::array<IssueWords, kIssueKindCount> kIssueWords = {{
     {"island", "island", "islands", IssueSize::kArea, "add supports, or turn the object"},
-    {"overhang", "overhang", "overhangs", IssueSize::kArea,
-     "add supports, set them closer with support_overhang_span, or turn the object"},
+    {"overhang", "overhang", "overhangs", IssueSize::kArea, "add supports, or turn the object"},
     {"free_piece", "piece that nothing holds", "pieces that nothing holds", IssueSize::kVolume,
      "add supports, or turn the object"},
     {"tear", "piece that the peel tears off", "pieces that the peel tears off", IssueSize::kVolume,
@@ -57,9 +56,9 @@ inline constexpr std::array<IssueWords, kIssueKindCount> kIssueWords = {{
      "turn the part, since the plate may lose it, or add supports"},
     {"peel_area", "large peel area", "large peel areas", IssueSize::kArea, "lift more slowly, or turn the object"},
     {"peel_jump", "jump in area", "jumps in area", IssueSize::kArea, "turn the object so that its area grows slowly"},
-    {"unreached", "overhang that no support reaches", "overhangs that no support reaches", IssueSize::kArea,
+    {"unreached", "overhang no support reaches", "overhangs no support reaches", IssueSize::kArea,
      "turn the object, or set orient to auto"},
-    {"unreached_island", "island that no support reaches", "islands that no support reaches", IssueSize::kArea,
+    {"unreached_island", "island no support reaches", "islands no support reaches", IssueSize::kArea,
      "turn the object, or set orient to auto"},
 }};
 constexpr const IssueWords& words_of(IssueKind kind) { return kIssueWords[static_cast<std::size_t>(kind)]; }

@@ -63,6 +63,10 @@ class RegionTracker {
   /// @param eroded   the layer's overhangs: see erode_fresh()
   /// @param scratch  of the same size; overwritten
   void next(ConstBitImage mask, ConstBitImage eroded, BitImage scratch, StackFindings& findings);
+  /// Whether what is white at a pixel of the newest layer is held; also if its regions were not looked at.
+  bool is_held(std::uint32_t column, std::uint32_t row) const {
+    return !below_is_known_ || below().column[below().regions.region(below().regions.run_at(column, row))] == 0;
+  }
   /// After the last one.
   void finish(StackFindings& findings);
 

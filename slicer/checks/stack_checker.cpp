@@ -34,11 +34,25 @@ Expected<StackChecker> StackChecker::create(const PrintGrid& grid, const CheckLi
   const auto widest = arena.take_top<std::uint32_t>(LayerRegions::most_runs(grid.rows, kOverhangRegions), kStage);
   PLUMBLINE_TRY(widest);
   checker.widest_ = *widest;
+  if (limits.overhangs == OverhangRule::kNeedSupport) {
+    const auto held = HeldArea::create(grid, {}, arena);
+    PLUMBLINE_TRY(held);
+    checker.held_ = *held;
+    const std::uint32_t stride = checker.fresh_.stride();
+    const auto marks = arena.take_top<std::uint64_t>(BitImage::words_needed(stride, grid.rows), kStage);
+    PLUMBLINE_TRY(marks);
+    checker.marks_ = BitImage(*marks, stride, grid.rows);
+  }
   return checker;
 }
 
-std::size_t StackChecker::bytes_needed(const PrintGrid& grid) {
-  return RegionTracker::bytes_needed(grid) +
+std::size_t StackChecker::bytes_needed(const PrintGrid& grid, OverhangRule overhangs) {
+  const std::size_t held =
+      overhangs == OverhangRule::kNeedSupport
+          ? HeldArea::bytes_needed(grid) +
+                Arena::rounded(BitImage::words_needed((grid.columns + 63) / 64, grid.rows) * sizeof(std::uint64_t))
+          : 0;
+  return held + RegionTracker::bytes_needed(grid) +
          3 * Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
          LayerRegions::bytes_needed(grid.rows, kOverhangRegions) +
          Arena::rounded(LayerRegions::most_runs(grid.rows, kOverhangRegions) * sizeof(std::uint32_t));
@@ -66,7 +80,9 @@ void StackChecker::check() {
   measures_.next(below_mask_, seen, findings_);
   const RegionBox both = joined(seen.box, below_.box);
   const bool eroded = layer_ > 0 && find_overhangs(both);
+  const bool needs_support = limits_.overhangs == OverhangRule::kNeedSupport && find_needing_support(both);
   regions_.next(below_mask_, eroded_, fresh_, findings_);
+  if (needs_support) tell_needing_support();
   const auto blacken = [&](const BitImage& image) {
     for (std::uint32_t r = both.row; r < both.row_end; ++r) std::ranges::fill(image.row(r), std::uint64_t{0});
   };
@@ -112,12 +128,53 @@ SeenLayer StackChecker::compare_with_below(ConstBitImage mask) {
 /// @returns whether eroded_ has pixels
 bool StackChecker::find_overhangs(const RegionBox& box) {
   if (box.empty() || erode_fresh(fresh_, box, limits_.overhang_reach, eroded_) == 0) return false;
-  if (!overhangs_.label(eroded_)) return true;
+  if (limits_.overhangs != OverhangRule::kEroded || !overhangs_.label(eroded_)) return true;
   for_each_region(overhangs_, widest_, [&](std::uint32_t region, bool white) {
     if (!white || !has_contour_area(region)) return;
     findings_.of(IssueKind::kOverhang).add(issue_at(IssueKind::kOverhang, layer_, overhangs_, widest_[region]));
   });
   return true;
+}
+
+/// Labels in overhangs_ what the support finder would put tips below, and leaves that in fresh_.
+/// @returns whether there is any
+bool StackChecker::find_needing_support(const RegionBox& box) {
+  if (layer_ == 0) {
+    held_.begin(below_mask_);
+    return false;
+  }
+  if (box.empty()) return false;
+  held_.next_layer(layer_, below_mask_, {box.row, box.row_end, box.column / 64, (box.column_end + 63) / 64});
+  bool any = false;
+  for (std::uint32_t r = box.row; r < box.row_end; ++r) {
+    const auto marks = marks_.row(r);
+    std::ranges::fill(marks, std::uint64_t{0});
+    const auto fresh = fresh_.row(r);
+    for (std::uint32_t w = box.column / 64; w < (box.column_end + 63) / 64; ++w) {
+      if (fresh[w] == 0) continue;
+      marks[w / 64] |= std::uint64_t{1} << (w % 64);
+      any = true;
+    }
+  }
+  if (!any) return false;
+  held_.drop_what_is_near(fresh_, marks_);
+  const auto is_left = [&](std::uint32_t row) { return !is_blank(fresh_.row(row)); };
+  std::uint32_t row = box.row;
+  while (row < box.row_end && !is_left(row)) ++row;
+  return row < box.row_end && overhangs_.label(fresh_);
+}
+
+/// Tells of it where the mask's region is held: else an island is told. From here on it is held, as if a tip were there.
+void StackChecker::tell_needing_support() {
+  for_each_region(overhangs_, widest_, [&](std::uint32_t region, bool white) {
+    if (!white) return;
+    overhangs_.any_run_of(region, [&](std::uint32_t row, std::uint32_t i) {
+      held_.add_run(row, overhangs_.run(i).first, overhangs_.run(i).last + 1U);
+      return false;
+    });
+    const Issue issue = issue_at(IssueKind::kOverhang, layer_, overhangs_, widest_[region]);
+    if (regions_.is_held(issue.column, issue.row)) findings_.of(IssueKind::kOverhang).add(issue);
+  });
 }
 
 /// UVtools leaves out overhangs whose contours enclose less than a pixel's area. A contour runs through the middles of pixels, so

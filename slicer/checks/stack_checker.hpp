@@ -16,6 +16,7 @@
 #include "slicer/core/function_ref.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/regions/layer_regions.hpp"
+#include "slicer/supports/held_area.hpp"
 
 namespace plumbline::inline slicer {
 
@@ -26,7 +27,7 @@ class StackChecker {
   /// @param grid  of the masks; grid.layers is not used
   /// @retval ErrorCode::kOutOfMemory  bytes_needed() from the top of the arena
   [[nodiscard]] static Expected<StackChecker> create(const PrintGrid& grid, const CheckLimits& limits, Arena& arena);
-  static std::size_t bytes_needed(const PrintGrid& grid);
+  static std::size_t bytes_needed(const PrintGrid& grid, OverhangRule overhangs = OverhangRule::kEroded);
 
   /// @param mask  the next layer's, of the grid's size
   void next(ConstBitImage mask);
@@ -40,6 +41,8 @@ class StackChecker {
 
  private:
   void check();
+  bool find_needing_support(const RegionBox& box);
+  void tell_needing_support();
   StackChecker(const PrintGrid& grid, const CheckLimits& limits, const RegionTracker& regions)
       : limits_(limits), measures_(grid, limits), regions_(regions) {}
 
@@ -58,6 +61,8 @@ class StackChecker {
   BitImage fresh_, eroded_;          ///< black between layers
   LayerRegions overhangs_;           ///< of the layer's eroded new pixels
   std::span<std::uint32_t> widest_;  ///< by region of overhangs_: its widest run
+  HeldArea held_;                    ///< for OverhangRule::kNeedSupport
+  BitImage marks_;                   ///< words of fresh_ with new pixels, one bit each
 };
 
 }  // namespace plumbline::inline slicer

@@ -21,15 +21,16 @@ bool is_small(const Issue& issue, const IssueScale& scale) {
 /// Whether only what plumbline has added causes it.
 bool is_of_supports(const Issue& issue, const AddedSupports& added) {
   switch (issue.kind) {
-    case IssueKind::kOverhang: return added.drawn;
     case IssueKind::kTouchingBound: return added.drawn && added.object_clear;
-    case IssueKind::kIsland:
+    // It rests on tips, or no support reaches it. If that is too little, something falls or tears off.
+    case IssueKind::kIsland: return added.drawn;
     case IssueKind::kResinTrap:
     case IssueKind::kSuctionCup:
     case IssueKind::kFirstLayerArea:
     case IssueKind::kPeelArea:
     case IssueKind::kPeelJump: return issue.last_layer < added.raft_layers;
-    // What falls or tears off does harm whatever it is, and gaps and heights are the print's.
+    // What falls or tears off does harm whatever it is, and overhangs, gaps and heights are the object's.
+    case IssueKind::kOverhang:
     case IssueKind::kFreePiece:
     case IssueKind::kTear:
     case IssueKind::kEmptyLayer:
@@ -47,9 +48,8 @@ void find_what_matters(StackFindings& findings, const PrintGrid& grid, const Add
   for (std::size_t i = 0; i < kIssueKindCount; ++i) {
     IssueGroup& group = findings.groups[i];
     const auto kept = std::span(group.kept).first(group.kept_count);
-    const bool all_of_supports = static_cast<IssueKind>(i) == IssueKind::kOverhang && added.drawn;
     // Those that are not kept are no larger than the last one.
-    const bool rest_is_minor = all_of_supports || (!kept.empty() && is_small(kept.back(), scale));
+    const bool rest_is_minor = !kept.empty() && is_small(kept.back(), scale);
     // As std::stable_partition(), which asks the heap for room.
     auto minor = kept.begin();
     for (auto issue = kept.begin(); issue != kept.end(); ++issue) {

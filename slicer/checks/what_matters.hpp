@@ -23,8 +23,7 @@ struct MatteringFloors {
 
 /// What plumbline itself has added to the object.
 struct AddedSupports {
-  bool drawn =
-      false;  ///< they hold what the support finder's rule says must be held, so that overhangs have been dealt with
+  bool drawn = false;
   std::uint32_t raft_layers = 0;  ///< the lowest layers, without a pixel of the object
   bool object_clear = false;      ///< the object itself keeps off the panel's edge
 };

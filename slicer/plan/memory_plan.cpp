@@ -73,7 +73,8 @@ std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const Ray
 std::size_t views_stage_bytes(std::uint32_t views) { return kSlack + register_views_bytes(views); }
 
 std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts) {
-  return kSlack + MaskStream::bytes_needed(grid, struts) + StackChecker::bytes_needed(grid);
+  return kSlack + MaskStream::bytes_needed(grid, struts) +
+         StackChecker::bytes_needed(grid, struts > 0 ? OverhangRule::kNone : OverhangRule::kNeedSupport);
 }
 
 std::size_t MemoryPlan::peak() const { return *std::max_element(bytes.begin(), bytes.end()); }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "slicer/core/bit_spans.hpp"
 #include "slicer/core/numbers/degrees.hpp"
 
 namespace plumbline::inline slicer {
@@ -16,10 +15,8 @@ Nanometres ceil_divide(Nanometres a, Nanometres b) { return (a + b - 1) / b; }
 
 }  // namespace
 
-Expected<HeldArea> HeldArea::create(const PrintGrid& grid, const SupportSettings& settings, const Window& window,
-                                    Arena& arena) {
+Expected<HeldArea> HeldArea::create(const PrintGrid& grid, const SupportSettings& settings, Arena& arena) {
   HeldArea area;
-  area.window_ = window;
   area.pitch_ = PixelPitch(grid);
   area.reach_ = nanometres(settings.overhang_span / 2);
   const SineCosine angle = sine_cosine(settings.overhang_angle);
@@ -52,7 +49,8 @@ void HeldArea::begin(ConstBitImage mask) {
   std::copy(mask.words().begin(), mask.words().end(), settling_.words().begin());
 }
 
-void HeldArea::next_layer(std::uint32_t layer, ConstBitImage mask) {
+void HeldArea::next_layer(std::uint32_t layer, ConstBitImage mask, const Window& window) {
+  window_ = window;
   const bool settles = layer % settle_layers_ == 0;
   bool any_open = false;
   open_.clear();

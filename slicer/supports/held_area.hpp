@@ -5,6 +5,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
+#include "slicer/core/bit_spans.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/supports/near.hpp"
@@ -27,18 +28,20 @@ namespace plumbline::inline slicer {
 class HeldArea {
  public:
   HeldArea() = default;
-  /// @param window  holds all pixels of all masks
   /// @retval ErrorCode::kOutOfMemory  bytes_needed() from the top of the arena
-  [[nodiscard]] static Expected<HeldArea> create(const PrintGrid& grid, const SupportSettings& settings,
-                                                 const Window& window, Arena& arena);
+  [[nodiscard]] static Expected<HeldArea> create(const PrintGrid& grid, const SupportSettings& settings, Arena& arena);
   static std::size_t bytes_needed(const PrintGrid& grid);
 
   /// Starts with the first layer, all of which the plate holds.
   void begin(ConstBitImage mask);
   /// Goes to the next layer, before its tips are known.
-  void next_layer(std::uint32_t layer, ConstBitImage mask);
+  /// @param window  holds all pixels of `mask` and of the mask below
+  void next_layer(std::uint32_t layer, ConstBitImage mask, const Window& window);
   /// A tip holds the pixels of its disc.
   void add_disc(std::uint32_t column, std::uint32_t row, Nanometres radius, ConstBitImage mask);
+
+  /// Pixels [begin, end) of a row are held.
+  void add_run(std::uint32_t row, std::uint32_t begin, std::uint32_t end) { fill(held_, row, begin, end, true); }
 
   /// A pixel is left out of the layer.
   void take_out(std::uint32_t column, std::uint32_t row);
@@ -56,7 +59,7 @@ class HeldArea {
   void grow(std::uint32_t layer, ConstBitImage mask);
   void grow_one(bool columns, bool rows, bool corners, ConstBitImage mask);
 
-  Window window_;
+  Window window_;  ///< of the layer
   PixelPitch pitch_;
   Nanometres reach_ = 0;
   Nanometres growth_ = 1;            ///< g

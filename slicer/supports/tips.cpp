@@ -77,7 +77,7 @@ class Sweep {
     PLUMBLINE_TRY(marks);
     marks_ = BitImage(*marks, fresh_.stride(), grid_.rows);
     marks_.clear();
-    auto held = HeldArea::create(grid_, settings, window_, arena);
+    auto held = HeldArea::create(grid_, settings, arena);
     PLUMBLINE_TRY(held);
     held_ = *held;
     // An overhang is at most this far from its tip, so no tip carries more than the disc's area.
@@ -101,14 +101,14 @@ class Sweep {
     if (layer == 0) {
       held_.begin(mask);
     } else if (compare_with_below(layer, mask)) {
-      held_.next_layer(layer, mask);
+      held_.next_layer(layer, mask, window_);
       const std::size_t lower = count_;
       PLUMBLINE_TRY(hold_islands(layer, mask, stream));
       PLUMBLINE_TRY(hold_overhangs(layer, mask));
       if (islands_.may_be_weak()) PLUMBLINE_TRY(hold_weak_regions(layer, mask, list_.first(count_).subspan(lower)));
       PLUMBLINE_TRY(share_loads(layer, mask));
     } else {
-      held_.next_layer(layer, mask);
+      held_.next_layer(layer, mask, window_);
     }
     keep_as_below(layer, mask);
     ++index_;

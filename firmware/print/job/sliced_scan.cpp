@@ -29,16 +29,16 @@ std::uint64_t shrink(BitImage image, std::uint32_t steps, std::span<std::uint64_
 }
 
 /// Checks every mask, and counts what will cure. On a desktop it takes a second or two for a thousand layers of a large panel.
-Status check_masks(SlicedScan& sliced, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
-                   SliceReport& report) {
+Status check_masks(SlicedScan& sliced, const SliceSettings& settings, OverhangRule overhangs, Arena& arena,
+                   ProgressSink* progress, SliceReport& report) {
   const StageScope stage(Stage::kLayers, {arena, progress, report});
   const ArenaScope scratch(arena);
   const std::uint32_t layers = sliced.rrep.grid.layers;
   const std::size_t bottom = arena.bottom_mark();
   auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena, !report.object_pixels);
   PLUMBLINE_TRY(stream);
-  auto checker = StackChecker::create(sliced.rrep.grid,
-                                      check_limits(settings.placement, settings.peel, settings.overcure_mm), arena);
+  auto checker = StackChecker::create(
+      sliced.rrep.grid, check_limits(settings.placement, settings.peel, settings.overcure_mm, overhangs), arena);
   PLUMBLINE_TRY(checker);
   const PrintGrid& mm = sliced.rrep.grid;
   const auto rows = arena.take_top<std::uint64_t>(3 * BitImage::words_needed(mm.columns, 1), "checks");
@@ -89,7 +89,7 @@ Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& sett
     PLUMBLINE_TRY(found);
     sliced.supports = *found;
   }
-  PLUMBLINE_TRY(check_masks(sliced, settings, arena, progress, report));
+  PLUMBLINE_TRY(check_masks(sliced, settings, rule_for(supports), arena, progress, report));
   return sliced;
 }
 

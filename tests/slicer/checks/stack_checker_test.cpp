@@ -380,6 +380,59 @@ TEST(StackChecker, KeepsTheLargestIssuesAndCountsAll) {
   for (std::size_t i = 0; i < IssueGroup::kKept; ++i) EXPECT_EQ(islands.kept[i].pixels, i < 3 ? 8U : i < 6 ? 6U : 4U);
 }
 
+CheckLimits as_the_finder() {
+  CheckLimits limits;
+  limits.overhangs = OverhangRule::kNeedSupport;
+  return limits;
+}
+
+/// A post of 4 x 8 mm, 8 mm high, and an arm that juts out of its upper half by `grows` pixels a layer: layers of 0.1 mm.
+std::vector<Pixels> arm(std::uint32_t grows, std::uint32_t longest) {
+  return stack_of(200, 80, [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const std::uint32_t out = k < 40 ? 0 : std::min((k - 39) * grows, longest);
+    return c >= 20 && c < 60 + out && r >= 20 && r < 100;
+  });
+}
+
+TEST(StackCheckerOverhangs, NeedSupportWhereTheFinderWouldPutATip) {
+  // 10 degrees: 0.57 mm a layer, which UVtools' plus of 4 mm never fits into.
+  const auto flat = arm(6, 100);
+  EXPECT_EQ(check(flat, {}).count(IssueKind::kOverhang), 0U);
+  const StackFindings found = check(flat, as_the_finder());
+  const IssueGroup& overhangs = found.of(IssueKind::kOverhang);
+  // The arm gains 0.5 mm a layer on what is held: 2.5 mm of it are passed in the fifth layer, then again and again.
+  ASSERT_GE(overhangs.count, 2U);
+  EXPECT_LE(overhangs.count, 5U);
+  std::uint32_t lowest = ~0U;
+  for (const Issue& issue : overhangs.all_kept()) {
+    lowest = std::min(lowest, issue.layer);
+    EXPECT_GE(issue.column, 60U + 25U);
+    EXPECT_EQ(issue.pixels % 80, 0U) << "columns as wide as the arm";
+  }
+  EXPECT_NEAR(lowest, 44, 1);
+}
+
+TEST(StackCheckerOverhangs, NeedNoSupportUpToHalfABridgeAndAtFortyFiveDegrees) {
+  EXPECT_EQ(check(arm(24, 24), as_the_finder()).count(IssueKind::kOverhang), 0U) << "2.4 mm at once";
+  EXPECT_EQ(check(arm(30, 30), as_the_finder()).count(IssueKind::kOverhang), 1U) << "3 mm at once";
+  EXPECT_EQ(check(arm(1, 100), as_the_finder()).count(IssueKind::kOverhang), 0U) << "45 degrees";
+}
+
+TEST(StackCheckerOverhangs, AreNotToldWhereAnIslandIs) {
+  const auto masks = stack_of(200, 60, blocks({{20, 60, 20, 60, 0, 60}, {100, 160, 20, 80, 30, 60}}));
+  const StackFindings found = check(masks, as_the_finder());
+  EXPECT_EQ(found.count(IssueKind::kIsland), 1U);
+  EXPECT_EQ(found.count(IssueKind::kFreePiece), 1U);
+  EXPECT_EQ(found.count(IssueKind::kOverhang), 0U);
+}
+
+TEST(StackCheckerOverhangs, AreNoneByTheFinderIfItsTipsAreInTheMasks) {
+  CheckLimits limits;
+  limits.overhangs = OverhangRule::kNone;
+  limits.overhang_reach = 1;
+  EXPECT_EQ(check(arm(30, 30), limits).count(IssueKind::kOverhang), 0U);
+}
+
 TEST(StackChecker, RefusesAnArenaThatIsTooSmall) {
   const PrintGrid grid = cubic_grid(64, 4);
   ArenaBlock arena(StackChecker::bytes_needed(grid) - Arena::kAlignment);
