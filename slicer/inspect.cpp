@@ -50,7 +50,8 @@ Expected<Placement> place_coarsely(const Box3d& bounds, double unit_mm, const Pl
   PlacementSettings coarse = settings;
   coarse.printer.reset();
   coarse.fit = false;
-  coarse.scale = placement ? placement->scale / unit_mm : scale_of(bounds.size() * unit_mm, settings);
+  coarse.scale = placement ? placement->scale / unit_mm
+                           : scale_of(settings.sized_extent.value_or(bounds.size()) * unit_mm, settings);
   coarse.size.reset();
   const double longest = bounds.size().maxCoeff() * unit_mm * coarse.scale;
   constexpr double kShortestMm = 1e-4;  // shorter objects have pixels that no number of pixels counts
@@ -77,6 +78,7 @@ Status inspect(ScanSources given, const SliceSettings& asked, Arena& arena, Prog
   const StageContext coarsely{arena, progress, report.coarse};
   bool prepared = false;  // whether `report` has all of the preparation; an error after that is no error of inspect()
   const auto place_object = [&](const PlacementSettings& placing) {
+    report.came = placing.sized_extent.value_or(report.bounds.size());
     report.units = units_of(report.bounds, placing);
     report.placement = place(report.bounds, millimetres_per(report.units), placing);
     prepared = true;
@@ -109,7 +111,8 @@ Status inspect(ScanSources given, const SliceSettings& asked, Arena& arena, Prog
     const auto scan = prepare(*read, settings, job, report, measure_all);
     PLUMBLINE_TRY(scan);
     report.lengths = scan->lengths;
-    const PlacementSettings placing = heed_header(settings.placement, scan->counts.scan.header);
+    PlacementSettings placing = heed_header(settings.placement, scan->counts.scan.header);
+    placing.sized_extent = extent_as_it_came(*scan, settings, report.turned);
     if (scan->cloud.size > 0) report.bounds = scan->bounds();
     if (scan->cloud.size > 0 || scan->surface.floor.points == 0) {
       PLUMBLINE_TRY(check_has_surface(*scan, sources, placing));

@@ -15,10 +15,11 @@ namespace plumbline::inline slicer {
 /// The findings of prepare(), further measurements of the scan, and the report of the coarse slice.
 struct InspectReport : PreparationReport {
   ScanLengths<ScanUnit> lengths;
-  Box3d bounds;             ///< of the rotated scan without its noise points and stray pieces, scan units
-  Box3d bounds_with_noise;  ///< of the rotated scan, scan units
-  ScanLength spacing;       ///< median distance of a point from the nearest other one
-  ScanLength roughness;     ///< median distance of a point from the plane through its kPlaneNeighbours nearest
+  Box3d bounds;                ///< of the rotated scan without its noise points and stray pieces, scan units
+  Box3d bounds_with_noise;     ///< of the rotated scan, scan units
+  Vec3d came = Vec3d::Zero();  ///< sides of the figure as it came, before any rotation, scan units: what a size means
+  ScanLength spacing;          ///< median distance of a point from the nearest other one
+  ScanLength roughness;        ///< median distance of a point from the plane through its kPlaneNeighbours nearest
   Units units = Units::kMillimetres;  ///< the unit asked for, or the guess
   /// As in slice(), or why the object doesn't fit. Its layers are those that the coarse R-Rep has.
   Expected<Placement> placement;

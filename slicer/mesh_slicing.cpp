@@ -6,7 +6,7 @@
 #include "slicer/mesh/mesh_dipoles.hpp"
 #include "slicer/mesh/mesh_reading.hpp"
 #include "slicer/mesh/open/lone_columns.hpp"
-#include "slicer/orientation/orientations.hpp"
+#include "slicer/orientation/ways_up.hpp"
 #include "slicer/plan/mesh_plan.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/source_checks.hpp"
@@ -206,16 +206,18 @@ Expected<PreparedMesh> prepare_mesh(MeshFiles& files, const SurveyedMesh& mesh, 
   PLUMBLINE_TRY(ignored);
   report.ignored_units = *ignored;
   PlacementSettings placing = heed_header(settings.placement, sum_of(mesh.scans).header);
+  placing.sized_extent = mesh.survey.came.size();
   if (!settings.orient) return PreparedMesh{mesh.survey, placing};
   {
     const ArenaScope scope(job.arena);
     const auto cloud = mesh_cloud(files, mesh.survey, job);
     PLUMBLINE_TRY(cloud);
-    const auto best = best_way_up(*cloud, job.arena, {job.progress, Stage::kNormals, kCloudRead, 1});
+    SliceSettings turning = settings;
+    turning.placement = placing;
+    const auto best = best_way_up(*cloud, turning, job.arena, {job.progress, Stage::kNormals, kCloudRead, 1});
     PLUMBLINE_TRY(best);
     report.turned = *best;
     placing.rotation_degrees = {best->degrees[0], best->degrees[1], 0};
-    placing.sized_extent = mesh.survey.bounds.size();
   }
   const auto turned = survey_files(files, placing.rotation_degrees, mesh.survey.most_vertices, job);
   PLUMBLINE_TRY(turned);

@@ -11,6 +11,7 @@
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/core/words/plural.hpp"
 #include "slicer/mesh_slicing.hpp"
+#include "slicer/orientation/ways_up.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/source_checks.hpp"
 #include "slicer/surface/surface_points.hpp"
@@ -97,7 +98,9 @@ Expected<FoundNormals> find_normals(PreparedScan& scan, ScanTree& tree, const Sl
   PLUMBLINE_TRY(counts);
   FoundNormals found{*counts, {}, {}};
   if (orient && settings.orient) {
-    const auto best = best_way_up(scan.cloud, job.arena, progress);
+    SliceSettings turning = settings;
+    turning.placement = heed_header(settings.placement, scan.counts.scan.header);
+    const auto best = best_way_up(scan.cloud, turning, job.arena, progress);
     PLUMBLINE_TRY(best);
     found.turned = *best;
     rotate(scan, rotation_matrix({best->degrees[0], best->degrees[1], 0}));
@@ -195,6 +198,23 @@ Box3d ReadScan::in_scan(const Box3f& local) const {
   box.extend(local.low.cast<double>() + offset);
   box.extend(local.high.cast<double>() + offset);
   return box;
+}
+
+std::optional<Vec3d> extent_as_it_came(const PreparedScan& scan, const SliceSettings& settings,
+                                       const std::optional<Orientation>& turned) {
+  const Vec3d degrees = turned ? Vec3d(turned->degrees[0], turned->degrees[1], 0) : settings.placement.rotation_degrees;
+  if (degrees == Vec3d::Zero() || scan.cloud.size == 0) return std::nullopt;
+  const Mat3d back = rotation_matrix(degrees).transpose();
+  Box3d box;
+  const auto extend = [&](const Vec3f& p) { box.extend(Vec3d(back * p.cast<double>())); };
+  const auto positions = scan.cloud.positions();
+  std::ranges::for_each(positions, extend);
+  if (scan.floor) {
+    Vec3f foot = *std::ranges::min_element(positions, {}, [](const Vec3f& p) { return p[2]; });
+    foot[2] = std::min(foot[2], *scan.floor);
+    extend(foot);
+  }
+  return box.size();
 }
 
 Expected<ReadScan> read_points(ScanSources sources, const SliceSettings& settings, const StageContext& job,
@@ -311,7 +331,7 @@ Expected<PreparedScan> prepare(const ReadScan& read, const SliceSettings& settin
 Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                        PreparationReport& report, NormalsLook look) {
   const StageContext job{arena, progress, report};
-  const auto of_mesh = [&](MeshFiles& files, const SurveyedMesh& mesh, ScanSources) -> Status {
+  const auto of_mesh = [&](MeshFiles& files, const SurveyedMesh& mesh, ScanSources given) -> Status {
     note(mesh, report);
     const auto cloud = mesh_cloud(files, mesh.survey, job);
     files.drop_copy(arena);
@@ -321,6 +341,15 @@ Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena
     prepared.offset = mesh.survey.bounds.low;
     const auto samples = sample_surface(prepared.cloud, arena);
     PLUMBLINE_TRY(samples);
+    if (samples->patches.empty()) {
+      return telling(
+          Told(ToldCode::kNoTriangles),
+          fail(ErrorCode::kNoSurface,
+               "%s: its %llu triangle%s no area: the corners of each lie on a line.\tExport it again, as the "
+               "surface of an object",
+               title_of(given).c_str(), static_cast<unsigned long long>(mesh.survey.triangles),
+               mesh.survey.triangles == 1 ? " has" : "s have"));
+    }
     return look(prepared, *samples);
   };
   const auto of_scan = [&](ScanSources given) -> Status {

@@ -46,6 +46,13 @@ struct PreparedScan : ReadScan {
 [[nodiscard]] Expected<ReadScan> read_points(ScanSources sources, const SliceSettings& settings,
                                              const StageContext& job, PreparationReport& report);
 
+/// Sides of the figure as it came, scan units: before the rotation asked for or found, but down to the floor that was cut off, and level.
+/// @param settings  of prepare()
+/// @param turned    PreparationReport::turned
+/// @returns none: it has not been turned
+std::optional<Vec3d> extent_as_it_came(const PreparedScan& scan, const SliceSettings& settings,
+                                       const std::optional<Orientation>& turned);
+
 /// Called before the clustering, when normals and views are settled and no point has been left out.
 /// @param tree  of scan.cloud
 using Measurement = FunctionRef<Status(const PreparedScan& scan, const KdTree3& tree)>;

@@ -157,7 +157,8 @@ Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, cons
   report.flat_underside = shot.flat_underside;
   report.width_mm = shot.width_mm;
   report.rays = shot.rays;
-  if (!settings.placement.fit && !report.turned) report.asked_size = settings.placement.size;
+  if (!settings.placement.fit) report.asked_size = settings.placement.size;
+  report.turned_since = report.turned || settings.placement.rotation_degrees != Vec3d::Zero();
   if (!shot.is_mesh) {
     const std::uint64_t outside = shot.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)];
     const RayYield yield{static_cast<double>(shot.rays.interested() - outside),

@@ -102,7 +102,8 @@ struct SliceReport : PreparationReport {
   std::optional<std::uint64_t>
       object_pixels;  ///< of all masks without supports, if they follow from what was counted anyway
   std::uint64_t crossings = 0;
-  std::optional<PrintSize> asked_size;
+  std::optional<PrintSize> asked_size;  ///< of the figure as it came
+  bool turned_since = false;            ///< the figure has been turned, so that it need not be a side of the print
   Vec3d printed_mm =
       Vec3d::Zero();  ///< what the masks show of the object, without supports; the scan's noise may reach beyond it
   std::uint32_t sunk_layers = 0;  ///< cut off below, so that it stands flat

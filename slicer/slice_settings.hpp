@@ -2,13 +2,16 @@
 /// Settings of slice() and inspect().
 
 #include <cstdint>
+#include <optional>
 
 #include "slicer/core/resin/foot_shrink.hpp"
 #include "slicer/core/resin/peel_force.hpp"
+#include "slicer/orientation/clean_side.hpp"
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"
 #include "slicer/reader/read_as.hpp"
+#include "slicer/supports/support_settings.hpp"
 
 namespace plumbline::inline slicer {
 
@@ -17,11 +20,13 @@ struct SliceSettings {
   PlacementSettings placement;
   BaseChoice base = BaseChoice::kAuto;
   FloorChoice floor;
-  bool orient = false;        ///< turn the scan the best way up; placement.rotation_degrees must be 0
-  bool confidence = false;    ///< keep a map of the evidence for each part of the surface
-  bool keep_all = false;      ///< keep stray pieces and small components too
-  PeelSettings peel;          ///< of the resin: for the checks of the masks only
-  FootShrink foot;            ///< of the print: for the checks of the masks only
+  bool orient = false;                      ///< turn the scan the best way up; placement.rotation_degrees must be 0
+  CleanSide keep_clean = CleanSide::kNone;  ///< supports' scars there cost much more when the way up is chosen
+  std::optional<SupportSettings> supports;  ///< of the print: for the choice of the way up only; none: it has none
+  bool confidence = false;                  ///< keep a map of the evidence for each part of the surface
+  bool keep_all = false;                    ///< keep stray pieces and small components too
+  PeelSettings peel;                        ///< of the resin: for the checks of the masks only
+  FootShrink foot;                          ///< of the print: for the checks of the masks only
   double overcure_mm = 0;     ///< by which a layer's light cures more than the layer: for the checks of the masks only
   std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
 };

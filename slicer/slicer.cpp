@@ -12,7 +12,8 @@ namespace {
 /// Refuses an object that can't fit, whatever the next stages leave out of it, before they take their minutes. An object that is
 /// too large by little is refused when it is placed.
 Status check_core_fits(const ReadScan& scan, const PlacementSettings& settings, Arena& arena) {
-  if (settings.size && settings.size->side != Side::kLength && !settings.fit) {
+  const bool sized_as_it_lies = settings.size && settings.rotation_degrees == Vec3d::Zero();
+  if (sized_as_it_lies && settings.size->side != Side::kLength && !settings.fit) {
     Box3d side;  // the other sides depend on the object's extents
     side.extend(Vec3d::Zero());
     side.extend(Vec3d::Unit(static_cast<int>(settings.size->side)));
@@ -28,14 +29,6 @@ Status check_core_fits(const ReadScan& scan, const PlacementSettings& settings, 
   PLUMBLINE_TRY(object);
   PLUMBLINE_TRY(place(scan.in_scan(*object), unit_mm, settings));
   return {};
-}
-
-/// Of the scan as it was before it was turned the best way up: a height is the figure's, whichever way it is printed.
-Vec3d extent_before(const PreparedScan& scan) {
-  const Mat3d back = scan.turned.transpose();
-  Box3d box;
-  for (const Vec3f& point : scan.cloud.positions()) box.extend(Vec3d(back * point.cast<double>()));
-  return box.size();
 }
 
 /// Places an object, and notes where.
@@ -73,7 +66,7 @@ Expected<RRep> slice(ScanSources given, const SliceSettings& asked, Arena& arena
     const auto scan = prepare(*read, settings, job, report);
     PLUMBLINE_TRY(scan);
     PLUMBLINE_TRY(check_surface(*scan, sources, placing));
-    if (settings.orient) placing.sized_extent = extent_before(*scan);
+    placing.sized_extent = extent_as_it_came(*scan, settings, report.turned);
     const auto placement = place_object(scan->bounds(), placing, report);
     PLUMBLINE_TRY(placement);
     const PlacedScan placed = move_to_print(*placement, *scan);

@@ -57,7 +57,8 @@ Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementS
 }
 
 Units units_of(const Box3d& bounds, const PlacementSettings& settings) {
-  return settings.units == Units::kAuto ? guess_units(bounds.size().maxCoeff()) : settings.units;
+  if (settings.units != Units::kAuto) return settings.units;
+  return guess_units(settings.sized_extent.value_or(bounds.size()).maxCoeff());
 }
 
 }  // namespace plumbline::inline slicer

@@ -33,8 +33,8 @@ PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeade
 [[nodiscard]] Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings,
                                     const ScanHeader& header);
 
-/// The unit asked for, or the one that the extent suggests.
-/// @param bounds    of the scan, scan units
+/// The unit asked for, or the one that the extent suggests: that of the figure as it came, so that a turn never changes it.
+/// @param bounds    of the scan as it stands, scan units
 /// @param settings  of a scan: after heed_header()
 Units units_of(const Box3d& bounds, const PlacementSettings& settings);
 

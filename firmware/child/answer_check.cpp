@@ -193,8 +193,8 @@ Expected<Proposals> check_proposals(const ScanAnswer& answer) {
     for (const double degrees : way.degrees) {
       if (!(std::abs(degrees) <= 360)) return wrong("angles");
     }
-    for (const double figure :
-         {way.cost, way.support_mm2, way.support_mm3, way.peel_mm2, way.height_mm, way.scar_mm2}) {
+    for (const double figure : {way.cost, way.support_mm2, way.support_mm3, way.peel_mm2, way.height_mm, way.scar_mm2,
+                                way.tip_scars_mm2, way.supports_mm3}) {
       if (!(figure >= 0 && figure <= kMost)) return wrong("figures");
     }
   }

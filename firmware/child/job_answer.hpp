@@ -23,7 +23,8 @@ struct JobAnswer {
   std::uint32_t side = 0;  ///< a Side, if size_mm is not 0
   double size_mm = 0;
   std::uint32_t orient = 0;
-  std::uint32_t floor = 0;  ///< a FloorChoice::Kind
+  std::uint32_t keep_clean = 0;  ///< a CleanSide
+  std::uint32_t floor = 0;       ///< a FloorChoice::Kind
   double floor_height = 0;
   double scale = 1;
   std::array<double, 3> rotate_deg{};

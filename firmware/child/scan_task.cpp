@@ -56,7 +56,7 @@ Status propose(std::span<ByteSource* const> sources, const SliceSettings& asked,
   PreparationReport report;
   const auto look = [&](const PreparedScan& scan, const SurfaceSamples& samples) -> Status {
     const auto proposals =
-        propose_orientations(samples, report.scan.header, asked.placement, {&progress, Stage::kNormals});
+        propose_orientations(scan.cloud, samples, report.scan.header, asked, arena, {&progress, Stage::kNormals});
     PLUMBLINE_TRY(proposals);
     page.answer.proposals = *proposals;
     page.answer.kind = ScanAnswer::kProposals;

@@ -115,7 +115,8 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   Arena& arena = terminal.arena();
   const auto scan = ScanFiles::open(options.scans);
   if (!scan) return report_error(scan.error());
-  const SliceSettings settings = slice_settings(*setup);
+  SliceSettings settings = slice_settings(*setup);
+  settings.supports = SupportSettings();  // so that it turns the object as 'plumbline slice' does
   InspectReport report;
   std::optional<CoveragePreview> coverage;
   std::optional<StackFindings> findings;

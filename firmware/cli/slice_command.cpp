@@ -24,7 +24,7 @@ constexpr const char* kSliceFooter =
     "  plumbline slice bust.ply -o out --printer mono2k         centred on the printer's plate\n"
     "  plumbline slice bust.ply -o out --printer mono2k --fit   as large as the printer can\n"
     "  plumbline slice bust.ply -o out --supports none          without supports, even if something falls\n"
-    "  plumbline slice bust.ply -o out --rotate-x 90            a scan whose y points up\n"
+    "  plumbline slice bust.ply -o out --rotate-x 90            a scan whose y points up; --depth 80mm is its height\n"
     "  plumbline slice front.ply back.ply -o out                one scan in two files\n"
     "  plumbline slice part.stl -o out --printer mono2k         a mesh: STL, OBJ, PLY, OFF or 3MF\n"
     "  plumbline slice part.stl -o part.sl1 --printer mono2k    an archive that PrusaSlicer and UVtools open\n"

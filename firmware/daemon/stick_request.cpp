@@ -26,6 +26,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   request.settings.base = job.base;
   request.settings.floor = job.floor;
   request.settings.orient = job.orient;
+  request.settings.keep_clean = job.keep_clean;
   request.settings.keep_all = job.keep_all;
   request.settings.confidence = true;  // for the picture of what was scanned
   PlacementSettings& placement = request.settings.placement;
@@ -39,7 +40,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   tell_checks(profile, daemon.machine, request.settings);
   const auto supports = SupportChoice{job.supports, {}}.over(profile.supports_enable, profile.supports);
   PLUMBLINE_TRY(supports);
-  request.supports = *supports;
+  request.supports = request.settings.supports = *supports;
   if (*supports) placement.room = support_room(**supports);
   if (is_archive_name(scan[0].name())) {
     JobSettings settings = job;

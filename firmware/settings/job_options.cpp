@@ -58,6 +58,7 @@ Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes) {
   setup.base = options.base;
   setup.floor = options.floor;
   setup.orient = options.orient;
+  setup.keep_clean = options.keep_clean;
   setup.keep_all = options.keep_all;
   setup.peel = peel_of(setup.board);
   setup.threads = options.threads.value_or(default_threads());
@@ -68,6 +69,8 @@ SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportS
   SliceSettings settings;
   settings.placement = setup.placement;
   if (supports) settings.placement.room = support_room(*supports);
+  settings.supports = supports;
+  settings.keep_clean = setup.keep_clean;
   settings.as = setup.as;
   settings.base = setup.base;
   settings.floor = setup.floor;

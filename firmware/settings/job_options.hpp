@@ -28,11 +28,12 @@ struct JobOptions {
   ReadAs as = ReadAs::kAuto;
   BaseChoice base = BaseChoice::kAuto;
   FloorChoice floor;
-  bool orient = false;                     ///< turn it the best way up; without rotate_degrees only
-  bool keep_all = false;                   ///< keep stray pieces and small cavities
-  std::optional<std::uint32_t> arena_mib;  ///< MiB
-  std::optional<std::uint32_t> threads;    ///< 1 to kMostThreads
-  bool verbose = false;                    ///< also times, memory and counts
+  bool orient = false;                      ///< turn it the best way up; without rotate_degrees only
+  CleanSide keep_clean = CleanSide::kNone;  ///< with `orient` only
+  bool keep_all = false;                    ///< keep stray pieces and small cavities
+  std::optional<std::uint32_t> arena_mib;   ///< MiB
+  std::optional<std::uint32_t> threads;     ///< 1 to kMostThreads
+  bool verbose = false;                     ///< also times, memory and counts
   bool quiet = false;
   bool json = false;
 };
@@ -54,6 +55,7 @@ struct JobSetup {
   BaseChoice base = BaseChoice::kAuto;
   FloorChoice floor;
   bool orient = false;
+  CleanSide keep_clean = CleanSide::kNone;
   bool keep_all = false;
   PeelSettings peel;  ///< of the board's profile
   std::uint32_t threads = 1;

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "firmware/settings/print_fields.hpp"
+#include "slicer/orientation/clean_side.hpp"
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"
@@ -23,8 +24,9 @@ struct JobSettings {
   ReadAs as = ReadAs::kAuto;
   BaseChoice base = BaseChoice::kAuto;
   FloorChoice floor;
-  bool orient = false;    ///< turn it the best way up
-  bool keep_all = false;  ///< also print stray pieces
+  bool orient = false;                      ///< turn it the best way up
+  CleanSide keep_clean = CleanSide::kNone;  ///< that supports keep off, in what `orient` and proposals weigh
+  bool keep_all = false;                    ///< also print stray pieces
   bool operator==(const JobSettings&) const = default;
 
   /// All that the person has said of the print's values.

@@ -71,7 +71,7 @@ void for_each_size_remark(const SliceReport& slice, RemarkVisit visit) {
 
 /// Remarks on a print that is not as large as somebody has asked for.
 void remark_on_asked_size(const SliceReport& slice, RemarkVisit visit) {
-  if (!slice.asked_size) return;
+  if (!slice.asked_size || slice.turned_since) return;
   const auto [side, asked] = *slice.asked_size;
   const PrintGrid& grid = slice.placement.grid;
   const Vec3d step(static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm),

@@ -66,6 +66,10 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
     text.add("turned     to its best orientation: --rotate-x %.4g --rotate-y %.4g\n", s.turned->degrees[0],
              s.turned->degrees[1]);
   }
+  if (s.asked_size && s.turned_since) {
+    text.add("sized      as it came, before it was turned: %s %.4g mm\n", to_string(s.asked_size->side),
+             s.asked_size->mm);
+  }
   text.add("resin      %s ml", three_digits(report.volume_mm3() / 1000).c_str());
   if (report.supports.all() > 0) {
     text.add(", %s ml of it in %u support%s", three_digits(report.support_volume_mm3() / 1000).c_str(),

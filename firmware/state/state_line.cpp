@@ -125,6 +125,7 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.key("size");
   write_object(json, kSizeFields, job.size);
   json.member("orient", job.orient ? "auto" : "none");
+  json.member("keep_clean", kCleanSideWords[static_cast<std::size_t>(job.keep_clean)]);
   json.key("floor");
   if (job.floor.kind == FloorChoice::Kind::kHeight) {
     json.value(job.floor.height);
@@ -157,6 +158,12 @@ constexpr JsonField<Proposal> kProposalFields[] = {
     {"peel_mm2", rounded<&Proposal::peel_mm2>},
     {"height_mm", rounded<&Proposal::height_mm>},
     {"scar_mm2", rounded<&Proposal::scar_mm2>},
+    {"layers", member<&Proposal::layers>},
+    {"tips", [](auto& json, auto& way) { json.value(only_if(way.counted != 0, way.tips)); }},
+    {"tip_scars_mm2",
+     [](auto& json, auto& way) { json.value(only_if(way.counted != 0, thousandths(way.tip_scars_mm2))); }},
+    {"supports_ml",
+     [](auto& json, auto& way) { json.value(only_if(way.counted != 0, thousandths(way.supports_mm3 / 1000))); }},
 };
 
 void write_proposals(JsonWriter& json, const PrinterRecord& record) {

@@ -64,7 +64,10 @@ float WindingTree::number(const Vec3f& x, float share) const {
 }
 
 bool WindingTree::inside(const Vec3f& x, float winding) const {
-  if (is_plain(winding)) return winding > kSurface;
+  return is_plain(winding) ? winding > kSurface : lean_at(x).inside(winding);
+}
+
+WindingLean WindingTree::lean_at(const Vec3f& x) const {
   WindingLean lean;
   for_each_dipole(x, [&](const Vec3f& place, const Vec3f& dipole, float softening) {
     const float area = std::sqrt(dipole.dot(dipole));
@@ -76,7 +79,7 @@ bool WindingTree::inside(const Vec3f& x, float winding) const {
     lean.weight += weight;
     lean.outwards += weight * towards * (1 - towards * towards);
   });
-  return lean.inside(winding);
+  return lean;
 }
 
 }  // namespace plumbline::inline slicer

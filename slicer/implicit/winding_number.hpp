@@ -85,6 +85,8 @@ class WindingTree {
   bool inside(const Vec3f& x) const { return inside(x, operator()(x)); }
   /// @param winding  the winding number at x
   bool inside(const Vec3f& x, float winding) const;
+  /// What inside() needs of c(x).
+  WindingLean lean_at(const Vec3f& x) const;
   /// Whether a winding number is so far from 1/2 that a hole does not matter.
   static bool is_plain(float winding) { return std::abs(winding - kSurface) >= WindingLean::kMost; }
 

@@ -22,7 +22,9 @@ void Surveyor::add(const Triangle& triangle, bool negative) {
   std::array<Vec3d, 3> p;
   for (std::size_t i = 0; i < 3; ++i) {
     p[i] = rotation_ * triangle[i];
-    if (!negative) survey_.bounds.extend(p[i]);
+    if (negative) continue;
+    survey_.bounds.extend(p[i]);
+    survey_.came.extend(triangle[i]);
   }
   const Vec3d directed = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]);
   if (negative) {

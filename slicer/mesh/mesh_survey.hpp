@@ -9,6 +9,7 @@ namespace plumbline::inline slicer {
 /// Sums over all triangles, in rotated scan units.
 struct MeshSurvey {
   Box3d bounds;  ///< of all usable triangles
+  Box3d came;    ///< the same before the rotation
   double area = 0;
   double seen_area = 0;             ///< from above: the sum of the triangles' areas in the plane of the plate
   double cut_area = 0;              ///< the same of negative volumes, which nothing else here counts

@@ -13,11 +13,12 @@ constexpr float kSteep = 0.70710678F;  ///< cosine of 45 degrees: flatter overha
 constexpr float kFlat = 0.97F;         ///< cosine of the normal of a foot: 14 degrees, for noisy normals
 constexpr float kFootCells = 1.5F;     ///< height of a foot above the lowest patch, in cells
 constexpr std::size_t kLayers = 48;    ///< sections whose areas are compared
-constexpr double kHoleCounts = 0.06;   ///< least share of the area; patches make up to 0.05 of a closed surface
 constexpr double kFlatHole = 0.985;    ///< cosine of 10 degrees: the rim of a hole that lies on the plate
 constexpr double kStep = 15;           ///< degrees between directions
 constexpr double kApart = 0.8660254;   ///< cosine of 30 degrees: least angle between two proposals
+constexpr double kTurned = 0.9396926;  ///< cosine of 20 degrees: least angle between a proposal and the scan as it came
 constexpr double kMuchBetter = 0.75;   ///< of the present cost
+constexpr double kCleanCounts = 20;    ///< times what support_area counts half of: a face is worth any other side
 constexpr double kFootCounts = 0.02;   ///< least share of the area that is a foot to stand on
 
 /// Cost of an object that lies on its side; upside down it is twice as much: figures stand, and faces look aside. Less on a flat foot, since what has
@@ -35,7 +36,7 @@ Vec3f up_of(const Angles& degrees) {
   return rotation.row(2).transpose().cast<float>();
 }
 
-OrientationCost cost_along(const SurfaceSamples& s, const Vec3f& up) {
+OrientationCost cost_along(const SurfaceSamples& s, const Vec3f& up, CleanSide clean) {
   OrientationCost cost;
   float low = 1e30F;
   float high = -1e30F;
@@ -59,6 +60,7 @@ OrientationCost cost_along(const SurfaceSamples& s, const Vec3f& up) {
       cost.support_area += seen;
       cost.support_volume += seen * static_cast<double>(height);
       cost.scar_area += seen * static_cast<double>(p.quality);
+      cost.clean_area += seen * static_cast<double>(facing(clean, p.normal));
     }
   }
   cost.height = static_cast<double>(high - low);
@@ -66,7 +68,7 @@ OrientationCost cost_along(const SurfaceSamples& s, const Vec3f& up) {
   // The hole is a flat underside if it lies on the plate, and hangs over it if it is tilted.
   const double hole_down = static_cast<double>(-up.dot(s.hole));
   const double hole = static_cast<double>(s.hole_share()) * area;
-  const bool has_hole = s.hole_share() > kHoleCounts;
+  const bool has_hole = s.has_hole();
   if (has_hole && hole_down > kFlatHole * hole) {
     cost.foot_area += hole_down;
   } else if (has_hole && hole_down > static_cast<double>(kSteep) * hole) {
@@ -79,7 +81,7 @@ OrientationCost cost_along(const SurfaceSamples& s, const Vec3f& up) {
     section += part;
     cost.peel_area = std::max(cost.peel_area, section);
   }
-  cost.total = (2 * cost.support_area + cost.peel_area + cost.scar_area) / area +
+  cost.total = (2 * cost.support_area + cost.peel_area + cost.scar_area + kCleanCounts * cost.clean_area) / area +
                cost.support_volume / (area * std::sqrt(area)) + 0.15 * cost.height / std::sqrt(area);
   if (has_hole) cost.total += (hole - hole_down) / area;
   return cost;
@@ -109,10 +111,11 @@ Angles towards(const Vec3f& up, Angles from) {
 /// What a way up costs, beside the upright one.
 struct Ways {
   const SurfaceSamples& samples;
+  CleanSide clean;
   Vec3f upright;
 
   OrientationCost cost(const Angles& degrees) const {
-    OrientationCost cost = cost_of(samples, degrees);
+    OrientationCost cost = cost_of(samples, degrees, clean);
     const bool has_foot = cost.foot_area > kFootCounts * static_cast<double>(samples.area);
     cost.total += (has_foot ? kTiltedOnFoot : kTilted) * (1 - static_cast<double>(up_of(degrees).dot(upright)));
     return cost;
@@ -167,14 +170,13 @@ void refine(const Ways& ways, Orientation& o) {
 
 }  // namespace
 
-OrientationCost cost_of(const SurfaceSamples& samples, const std::array<double, 2>& degrees) {
-  return cost_along(samples, up_of(degrees));
+OrientationCost cost_of(const SurfaceSamples& samples, const std::array<double, 2>& degrees, CleanSide clean) {
+  return cost_along(samples, up_of(degrees), clean);
 }
 
-std::optional<std::array<Orientation, kBestOrientations>> best_orientations(const SurfaceSamples& samples,
-                                                                            const StageProgress& progress) {
+std::optional<WaysUp> best_orientations(const SurfaceSamples& samples, CleanSide clean, const StageProgress& progress) {
   const auto upright = better_upright(samples);
-  const Ways ways{samples, up_of(upright ? upright->degrees : Angles{})};
+  const Ways ways{samples, clean, up_of(upright ? upright->degrees : Angles{})};
   constexpr std::size_t kMost = 12 * 24 + 2;
   std::array<Orientation, kMost> all{};
   std::size_t count = 0;
@@ -186,35 +188,37 @@ std::optional<std::array<Orientation, kBestOrientations>> best_orientations(cons
       all[count++] = {degrees, ways.cost(degrees)};
     }
   }
-  std::stable_sort(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count),
-                   [](const Orientation& a, const Orientation& b) { return a.cost.total < b.cost.total; });
-  std::array<Orientation, kBestOrientations> best{};
-  std::size_t found = 0;
-  const auto is_new = [&](const Orientation& o) {
-    return std::all_of(best.begin(), best.begin() + static_cast<std::ptrdiff_t>(found), [&](const Orientation& other) {
-      return static_cast<double>(up_of(o.degrees).dot(up_of(other.degrees))) < kApart;
-    });
+  const auto by_cost = [](const Orientation& a, const Orientation& b) { return a.cost.total < b.cost.total; };
+  std::stable_sort(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), by_cost);
+  WaysUp best{};
+  best[0].cost = ways.cost({0, 0});
+  std::size_t found = 1;
+  const auto is_apart = [&](const Orientation& o) {
+    return std::all_of(best.begin() + 1, best.begin() + static_cast<std::ptrdiff_t>(found),
+                       [&](const Orientation& other) {
+                         return static_cast<double>(up_of(o.degrees).dot(up_of(other.degrees))) < kApart;
+                       });
+  };
+  const auto is_turned = [&](const Orientation& o) {
+    return static_cast<double>(up_of(o.degrees)[2]) < kTurned || o.cost.total < kMuchBetter * best[0].cost.total;
   };
   for (std::size_t i = 0; i < count && found < best.size(); ++i) {
+    if (!is_apart(all[i])) continue;
     Orientation o = all[i];
-    if (!is_new(o)) continue;
     refine(ways, o);
-    best[found++] = is_new(o) ? o : all[i];
+    if (!is_apart(o) || !is_turned(o)) o = all[i];
+    if (!is_turned(o)) continue;
+    best[found++] = o;
     if (!progress.advance(0.7 + 0.3 * static_cast<double>(found) / static_cast<double>(best.size())))
       return std::nullopt;
   }
-  std::stable_sort(best.begin(), best.begin() + static_cast<std::ptrdiff_t>(found),
-                   [](const Orientation& a, const Orientation& b) { return a.cost.total < b.cost.total; });
+  std::stable_sort(best.begin() + 1, best.begin() + static_cast<std::ptrdiff_t>(found), by_cost);
   return best;
 }
 
-Expected<Orientation> best_way_up(const Cloud& cloud, Arena& arena, const StageProgress& progress) {
-  const ArenaScope scope(arena);
-  const auto samples = sample_surface(cloud, arena);
-  PLUMBLINE_TRY(samples);
-  const auto best = best_orientations(*samples, progress);
-  if (!best) return fail(ErrorCode::kCancelled, "cancelled while looking for the best orientation");
-  return best->front();
+const Orientation& cheapest(const WaysUp& ways) {
+  return *std::min_element(ways.begin(), ways.end(),
+                           [](const Orientation& a, const Orientation& b) { return a.cost.total < b.cost.total; });
 }
 
 std::optional<Orientation> better_upright(const SurfaceSamples& samples) {

@@ -9,6 +9,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/orientation/clean_side.hpp"
 #include "slicer/orientation/surface_samples.hpp"
 
 namespace plumbline::inline slicer {
@@ -20,10 +21,11 @@ struct OrientationCost {
   double support_volume = 0;  ///< between that area and the plate
   double peel_area = 0;       ///< of the largest layer
   double height = 0;
-  double scar_area = 0;  ///< support_area, weighted by how well it was seen: supports leave scars there
+  double scar_area = 0;   ///< support_area, weighted by how well it was seen: supports leave scars there
+  double clean_area = 0;  ///< support_area on the side that is to stay clean, weighted by how squarely it faces there
   double foot_area = 0;  ///< that stands on the plate; the hole too, if it faces down to 10 degrees. Else it hangs over
-  /// Without unit: 2 support_area / A + support_volume / A^1.5 + peel_area / A + 0.15 height / sqrt(A) + scar_area / A, and the
-  /// share of the hole in A, times 1 - <down, way the hole faces>. A is the surface's area.
+  /// Without unit: 2 support_area / A + support_volume / A^1.5 + peel_area / A + 0.15 height / sqrt(A) + scar_area / A + 20 clean_area / A,
+  /// and the share of the hole in A, times 1 - <down, way the hole faces>. A is the surface's area.
   double total = 0;
 };
 
@@ -32,21 +34,26 @@ struct Orientation {
   OrientationCost cost;
 };
 
+/// @param samples  of the scan as it came
 /// @param degrees  about x, then about y
-OrientationCost cost_of(const SurfaceSamples& samples, const std::array<double, 2>& degrees);
+OrientationCost cost_of(const SurfaceSamples& samples, const std::array<double, 2>& degrees,
+                        CleanSide clean = CleanSide::kNone);
 
 inline constexpr std::size_t kBestOrientations = 4;
+/// The first is the scan as it came, the others are the best that differ from it and from each other, the best first.
+using WaysUp = std::array<Orientation, 1 + kBestOrientations>;
 
 /// The upright way is the one in which the object lies, or that of better_upright(): what it is tilted by costs extra, 0.5 (1 - cos) in the total, 0.1 on
-/// a flat foot. The best of 288 directions 15 degrees apart, each refined to a tenth of a degree: flat faces stand flat. The best comes first; two
-/// of them differ by 30 degrees or more.
+/// a flat foot. The best of 288 directions 15 degrees apart, each refined to a tenth of a degree: flat faces stand flat. Two
+/// of them differ by 30 degrees or more, and by 20 or more from the scan as it came. One that is nearer to that is there only if it costs less than three
+/// quarters: a scan that leans by 10 degrees is to stand flat.
+/// @param samples  of the scan as it came
+/// @param clean    supports' scars on that side cost much more
 /// @returns none if progress says to stop
-std::optional<std::array<Orientation, kBestOrientations>> best_orientations(const SurfaceSamples& samples,
-                                                                            const StageProgress& progress);
+std::optional<WaysUp> best_orientations(const SurfaceSamples& samples, CleanSide clean, const StageProgress& progress);
 
-/// The best way up of a surface with normals.
-/// @retval ErrorCode::kOutOfMemory, kCancelled
-[[nodiscard]] Expected<Orientation> best_way_up(const Cloud& cloud, Arena& arena, const StageProgress& progress);
+/// The one that costs least: the scan as it came if none is better.
+const Orientation& cheapest(const WaysUp& ways);
 
 /// A rotation by quarter turns that puts a scan upright which plainly is not: the one that costs least, if it costs less than three
 /// quarters of what the present one does, and if there is evidence: the hole faces down there and not now, or the object

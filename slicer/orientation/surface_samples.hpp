@@ -28,6 +28,8 @@ struct SurfaceSamples {
   Vec3f hole = Vec3f::Zero();
 
   float hole_share() const;  ///< of the area
+  /// Patches make up to a share of 0.05 of a closed surface.
+  bool has_hole() const { return hole_share() > 0.06F; }
 };
 
 /// Arena bytes that sample_surface() takes for a cloud of `points`.

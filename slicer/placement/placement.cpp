@@ -132,7 +132,7 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   Placement p;
   p.rotation = rotation_matrix(settings.rotation_degrees);
   p.grid.layer_height_mm = settings.layer_height_mm;
-  double factor = scale_of(settings.sized_extent ? *settings.sized_extent * unit_mm : extent, settings);
+  double factor = scale_of(settings.sized_extent.value_or(bounds.size()) * unit_mm, settings);
   if (!settings.fit && std::isinf(factor)) {
     return fail(ErrorCode::kDoesNotFit,
                 "the object is flat: no scale gives it a %s of %.4g mm.\tGive another side, or a scale",

@@ -22,12 +22,17 @@ double millimetres_per(Units units);
 /// the programs.
 Units guess_units(double longest_side);
 
-/// A side of the printed object.
-enum class Side : std::uint8_t { kWidth, kDepth, kHeight, kLength };  ///< along x, y, z; the longest of the three
+/// A side of the figure as it came, before any rotation: turning it never changes its size.
+enum class Side : std::uint8_t {
+  kWidth,
+  kDepth,
+  kHeight,
+  kLength
+};  ///< along the scan's x, y, z; the longest of the three
 /// "width", "depth", "height", "length".
 const char* to_string(Side side);
 
-/// A size that the print is to have, whatever the scan's unit is.
+/// A size that the figure is to have, whatever the scan's unit is.
 struct PrintSize {
   Side side = Side::kHeight;
   double mm = 0;
@@ -58,7 +63,7 @@ struct PlacementSettings {
   double scale = 1;               ///< of the printed object to the scanned one
   bool fit = false;               ///< use the largest scale that fits the printer instead of `scale`
   std::optional<PrintSize> size;  ///< use the scale that gives this size instead of `scale`
-  /// Scan units: of the object that `size` means, which has been turned since; none: as it stands now.
+  /// Scan units: of the figure as it came, before any rotation, whose sides `size` and a guessed unit mean; none: it has not been turned.
   std::optional<Vec3d> sized_extent;
   Vec3d rotation_degrees = Vec3d::Zero();  ///< about x, then y, then z, right-handed
   float pixel_pitch_mm = 0.05F;            ///< without a printer
@@ -71,7 +76,7 @@ struct PlacementSettings {
 };
 
 /// The scale of the print without `fit`: the one asked for, or the one that makes the size asked for.
-/// @param extent_mm  of the rotated object at scale 1
+/// @param extent_mm  of the figure as it came, at scale 1
 /// @returns infinity if the object has no extent along that side
 double scale_of(const Vec3d& extent_mm, const PlacementSettings& settings);
 

@@ -73,10 +73,12 @@ void add_size_options(CLI::App& app, JobOptions& job, CLI::Option* scale, CLI::O
                         [&job, side](const std::string& text) {
                           job.size = PrintSize{side, *parse_length(text)};
                         },
-                        side == Side::kHeight  ? "Print it this high, whatever the scan's unit: 80mm, 8cm, 3.15in"
-                        : side == Side::kWidth ? "Print it this wide (x)"
-                        : side == Side::kDepth ? "Print it this deep (y)"
-                                               : "Print its longest side this long")
+                        side == Side::kHeight ? "Make it this high along the scan's z, whatever the scan's unit: 80mm, "
+                                                "8cm, 3.15in. Sizes are those of the scan as it came: turning it "
+                                                "changes none"
+                        : side == Side::kWidth ? "Make it this wide along the scan's x"
+                        : side == Side::kDepth ? "Make it this deep along the scan's y: the height where y points up"
+                                               : "Make its longest side along these this long")
                      ->type_name("LENGTH")
                      ->check(CLI::Validator(
                          [](std::string& text) -> std::string {
@@ -120,6 +122,15 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
           ->type_name("KIND")
           ->check(one_of({"none", "auto"}))
           ->group(kObjectGroup);
+  app.add_option_function<std::string>(
+         "--keep-clean", [&job](const std::string& word) { job.keep_clean = *clean_side_named(word); },
+         "Side of the scan as it came, such as a face, that supports are to leave without scars when the best "
+         "orientation is chosen: " +
+             std::string(kCleanSideForm) + " [none]")
+      ->type_name("SIDE")
+      ->check(one_of({kCleanSideWords.begin(), kCleanSideWords.end()}))
+      ->needs(orient)
+      ->group(kObjectGroup);
   const char* const names[] = {"--rotate-x", "--rotate-y", "--rotate-z"};
   const char* const help[] = {"Turn it about x, right-handed; done first [0]", "Turn it about y; done second [0]",
                               "Turn it about z; done last [0]"};

@@ -250,7 +250,7 @@ ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& pla
   o.placement = heed_header(placement, scan.scan.header);
   o.arena_bytes = arena_bytes;
   o.threads = threads;
-  o.guess = scan.scan.header.is_in_mm ? Units::kMillimetres : guess_units(scan.bounds.size().maxCoeff());
+  o.guess = scan.scan.header.is_in_mm ? Units::kMillimetres : guess_units(scan.came.maxCoeff());
   std::optional<PrintGrid> grid;
   if (placement.printer) {
     grid = panel_grid(*placement.printer, placement.layer_height_mm);

@@ -33,7 +33,7 @@ struct ScanOutlook {
   double unit_mm() const { return millimetres_per(scan.units); }
   /// Scale of the print: the requested one, or with `fit` the largest that fits the printer.
   double scale() const {
-    return scan.placement ? scan.placement->scale / unit_mm() : scale_of(scan.bounds.size() * unit_mm(), placement);
+    return scan.placement ? scan.placement->scale / unit_mm() : scale_of(scan.came * unit_mm(), placement);
   }
   double mm(ScanLength length) const { return static_cast<double>(length.value) * unit_mm(); }
 };

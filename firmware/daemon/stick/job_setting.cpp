@@ -128,6 +128,12 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
     job.floor = *floor;
     return {};
   }
+  if (key == "keep_clean") {
+    const auto side = clean_side_named(value);
+    if (!side) return refused(key, value, kCleanSideForm);
+    job.keep_clean = *side;
+    return {};
+  }
   if (key == "orient") {
     const auto word = index_of(kSupportWords, value);
     if (!word) return refused(key, value, "none or auto");
@@ -140,7 +146,7 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
       fail(
           ErrorCode::kBadSetting,
           "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, width, depth, height, length, floor, "
-          "orient, rotate_x_deg, "
+          "orient, keep_clean, rotate_x_deg, "
           "rotate_y_deg, rotate_z_deg, layer_height, supports, as, base, keep_all, and exposures, lifts and waits as a "
           "profile names them",
           static_cast<int>(key.size()), key.data()));

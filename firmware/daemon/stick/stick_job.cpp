@@ -51,6 +51,7 @@ std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
       {"placement", kSizeWords[3], TextSetting{&texts.sizes[3], TextKind::kPath}, 1, 32, "", kOptional},
       {"placement", "orient", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.orient = word == 1; }}, 0, 0,
        "", kOptional},
+      {"placement", "keep_clean", choice(kCleanSideWords, job.keep_clean), 0, 0, "", kOptional},
       {"placement", "rotate_x_deg", &job.rotate_x_deg, -360, 360, " degrees", kOptional},
       {"placement", "rotate_y_deg", &job.rotate_y_deg, -360, 360, " degrees", kOptional},
       {"placement", "rotate_z_deg", &job.rotate_z_deg, -360, 360, " degrees", kOptional},

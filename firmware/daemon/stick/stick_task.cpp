@@ -49,6 +49,7 @@ void hand_back(const StickJob& job, ScanAnswer& answer) {
     fields.size_mm = job.size->mm;
   }
   fields.orient = job.orient ? 1 : 0;
+  fields.keep_clean = static_cast<std::uint32_t>(job.keep_clean);
   fields.floor = static_cast<std::uint32_t>(job.floor.kind);
   fields.floor_height = job.floor.height;
   fields.scale = job.scale;
@@ -99,6 +100,7 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
                        fields.base <= static_cast<std::uint32_t>(BaseChoice::kFlat) && fields.supports <= 2 &&
                        fields.fit <= 1 && fields.keep_all <= 1 &&
                        fields.side <= static_cast<std::uint32_t>(Side::kLength) && fields.orient <= 1 &&
+                       fields.keep_clean < kCleanSideWords.size() &&
                        fields.floor <= static_cast<std::uint32_t>(FloorChoice::Kind::kHeight);
   const bool lengths = (fields.size_mm == 0 || is_within(fields.size_mm, kSmallestSizeMm, kLargestSizeMm)) &&
                        is_within(fields.floor_height, -kLargestFloorHeight, kLargestFloorHeight) &&
@@ -116,6 +118,7 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
   job.fit = fields.fit == 1;
   job.keep_all = fields.keep_all == 1;
   job.orient = fields.orient == 1;
+  job.keep_clean = static_cast<CleanSide>(fields.keep_clean);
   job.floor = {static_cast<FloorChoice::Kind>(fields.floor), fields.floor_height};
   if (fields.size_mm != 0) job.size = PrintSize{static_cast<Side>(fields.side), fields.size_mm};
   job.scale = fields.scale;

@@ -66,6 +66,31 @@ class Inspect(Program):
         told = json.loads(self.run_it("orient", self.scan, "--json").stdout)
         self.assertEqual(len(told["best"]), 4)
         self.assertAlmostEqual(told["now"]["height_mm"], 24, delta=0.5)
+        self.assertEqual(told["now"]["layers"], math.ceil(told["now"]["height_mm"] / 0.05 - 0.01))
+        # All are of one size, and have supports that were counted.
+        for way in told["best"]:
+            self.assertAlmostEqual(way["height_mm"], 24, delta=0.5)
+            self.assertGreater(way["tips"], 0)
+            self.assertLess(way["tip_scars_mm2"], way["tips"] * 0.3)
+            self.assertLess(math.cos(math.radians(way["rotate_x_deg"])) * math.cos(math.radians(way["rotate_y_deg"])), math.cos(math.radians(19.9)))
+        clean = json.loads(self.run_it("orient", self.scan, "--json", "--keep-clean", "-z").stdout)
+        self.assertNotEqual(clean["cheapest"], 0)
+
+    def test_a_proposal_is_printed_as_it_was_shown(self):
+        write_sphere(self.scan)
+        add_ball(self.scan, 20_000, 6, (14, 0, 9))
+        way = json.loads(self.run_it("orient", self.scan, "--json", "--height", "20mm").stdout)["best"][0]
+        turned = ("--rotate-x", way["rotate_x_deg"], "--rotate-y", way["rotate_y_deg"])
+        self.slice_it(*turned, "--height", "20mm", "--no-preview", "--supports", "none")
+        self.assertAlmostEqual(self.manifest()["size_mm"][2], way["height_mm"], delta=0.01 * way["height_mm"])
+
+    def test_orient_refuses_a_mesh_without_area(self):
+        mesh = self.dir / "line.obj"
+        mesh.write_text("v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n")
+        for arguments in ((mesh,), (mesh, "--json")):
+            done = self.run_it("orient", *arguments, status=1)
+            self.assertRegex(done.stderr, r"line\.obj: its 1 triangle has no area: .* Export it again")
+            self.assertEqual(done.stdout, "")
 
     def test_warns_of_what_was_not_scanned_and_draws_it(self):
         write_sphere(self.scan, points=40_000)

@@ -41,12 +41,13 @@ class State(StatePrinter):
         user.until(lambda s: s["job"]["scan"] == "b.ply" and s["job"]["number"] == 2, "b.ply")
         for key, value, words in (("scale", 0, "allowed is 1e-6"), ("scael", 1, "unknown setting"), ("profile", "thicc", "no profile"),
                                   ("units", "furlong", "mm, cm"), ("fit", 1, "true or false"), ("supports", "some", "none or auto"),
-                                  ("height", "tall", "a length from 1 mm"), ("floor", "deep", "auto, keep"), ("orient", "up", "none or auto")):
+                                  ("height", "tall", "a length from 1 mm"), ("floor", "deep", "auto, keep"), ("orient", "up", "none or auto"),
+                                  ("keep_clean", "face", "none, +x, -x")):
             user.refused(words, "set", key=key, value=value)
-        for key, value in (("height", "2cm"), ("floor", -3.5), ("orient", "auto")):
+        for key, value in (("height", "2cm"), ("floor", -3.5), ("keep_clean", "-y"), ("orient", "auto")):
             user.do("set", key=key, value=value)
         job = user.until(lambda s: s["job"]["orient"] == "auto", "a size")["job"]
-        self.assertEqual((job["size"], job["floor"], job["scale"]), ({"side": "height", "mm": 20}, -3.5, 1))
+        self.assertEqual((job["size"], job["floor"], job["keep_clean"], job["scale"]), ({"side": "height", "mm": 20}, -3.5, "-y", 1))
         user.do("set", key="floor", value="auto")
         # A scale takes the place of a size, and a rotation that of the best way up.
         for key, value in (("scale", 0.5), ("profile", "draft"), ("supports", "none"), ("layer_height", 0.1), ("keep_all", True),

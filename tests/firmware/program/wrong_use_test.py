@@ -202,6 +202,7 @@ class Usage(Program):
             "--height": ("80m", "0", "-8cm", "tall", ""),
             "--floor": ("wood", "3mm", "nan", ""),
             "--orient": ("up", ""),
+            "--keep-clean": ("y", "face", ""),
             "--threads": ("0", "65", "-1", "two", "1.5"),
             "--arena-mib": ("0", "-1", "lots"),
         }.items():
@@ -214,6 +215,7 @@ class Usage(Program):
         self.wrong(*base, "--height", "8cm", "--width", "8cm")
         self.wrong(*base, "--orient", "auto", "--rotate-x", 90)
         self.wrong("orient", self.scan, "--rotate-x", 90)
+        self.wrong(*base, "--keep-clean", "-y")
         self.wrong(*base, "--printer", self.board, "--pixel-pitch", 0.1)
         self.wrong("sample", self.dir / "x.ply", "--points", 10)
         self.wrong("sample", self.dir / "x.ply", "--seed", "-1")

@@ -317,7 +317,12 @@ TEST(SliceMesh, IsMeasuredAnewWhenItHasBeenTurnedTheBestWayUp) {
   settings.placement.size = PrintSize{Side::kHeight, 30};
   const Slicing sized = sliced(pyramid, settings);
   EXPECT_NEAR(sized.report().placement.scale, 1.5, 1e-9);
-  EXPECT_FALSE(sized.report().asked_size);
+  EXPECT_TRUE(sized.report().turned_since);
+  // Whoever types these angles gets the same.
+  settings.orient = false;
+  settings.placement.rotation_degrees = {degrees[0], degrees[1], 0};
+  const Slicing typed = sliced(pyramid, settings);
+  EXPECT_NEAR(typed.report().placement.scale, 1.5, 1e-9);
 }
 
 TEST(SliceMesh, AScanWithFacesStaysAScan) {

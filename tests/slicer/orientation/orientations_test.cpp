@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string_view>
 
 #include "slicer/placement/placement.hpp"
 #include "tests/slicer/support/arena_block.hpp"
@@ -65,13 +66,13 @@ TEST(Orientation, TheBestWayUpOfABoxIsFlat) {
   Random random(3);
   for (const Vec3d& degrees : {Vec3d(17, 0, 0), Vec3d(-33, 21, 50), Vec3d(8, -71, 120)}) {
     const Sampled box(turned(tower(random), degrees));
-    const auto best = best_orientations(box.samples, {});
+    const auto best = best_orientations(box.samples, CleanSide::kNone, {});
     ASSERT_TRUE(best);
     const Mat3d total =
-        rotation_matrix({best->front().degrees[0], best->front().degrees[1], 0}) * rotation_matrix(degrees);
+        rotation_matrix({cheapest(*best).degrees[0], cheapest(*best).degrees[1], 0}) * rotation_matrix(degrees);
     // A side of the box points up, to half a degree.
     EXPECT_GT(total.row(2).cwiseAbs().maxCoeff(), std::cos(0.5 * kPi / 180)) << degrees.transpose();
-    EXPECT_LT(best->front().cost.support_area, 0.01 * static_cast<double>(box.samples.area));
+    EXPECT_LT(cheapest(*best).cost.support_area, 0.01 * static_cast<double>(box.samples.area));
   }
 }
 
@@ -86,6 +87,17 @@ TEST(Orientation, AHeightIsThatOfTheScanAsItCame) {
   const Slicing sliced(binary_ply(leaning), settings, 64 * kMiB);
   ASSERT_TRUE(sliced.report().turned);
   EXPECT_NEAR(sliced.report().placement.scale, 20 / box.size()[2], 0.01);
+  // Nor does a turn by hand change it, or the unit that is guessed.
+  const auto scale_of_turned = [&](const Vec3d& degrees) {
+    settings.placement.rotation_degrees = degrees;
+    return Slicing(binary_ply(leaning), settings, 64 * kMiB).report().placement.scale;
+  };
+  settings.orient = false;
+  for (const Vec3d& degrees : {Vec3d(0, 0, 0), Vec3d(90, 0, 0), Vec3d(25, -40, 10)}) {
+    EXPECT_NEAR(scale_of_turned(degrees), 20 / box.size()[2], 0.01) << degrees.transpose();
+  }
+  settings.placement.size = PrintSize{Side::kLength, 30};
+  EXPECT_NEAR(scale_of_turned({0, -30, 0}), 30 / box.size().maxCoeff(), 0.01);
 }
 
 TEST(Orientation, KeepsAFigureUprightWhereThatCostsLittle) {
@@ -100,24 +112,60 @@ TEST(Orientation, KeepsAFigureUprightWhereThatCostsLittle) {
     figure.push_back({6 * out + Vec3d(0, 0, 10.0 * i / 12000), out});
   }
   const Sampled sampled(figure);
-  const auto best = best_orientations(sampled.samples, {});
+  const auto best = best_orientations(sampled.samples, CleanSide::kNone, {});
   ASSERT_TRUE(best);
-  EXPECT_GT(rotation_matrix({best->front().degrees[0], best->front().degrees[1], 0})(2, 2), 0.7);
+  EXPECT_GT(rotation_matrix({cheapest(*best).degrees[0], cheapest(*best).degrees[1], 0})(2, 2), 0.7);
 }
 
-TEST(Orientation, TheBestFourDifferAndComeInOrder) {
+Vec3d up_of(const Orientation& o) { return rotation_matrix({o.degrees[0], o.degrees[1], 0}).row(2).transpose(); }
+
+TEST(Orientation, TheBestDifferFromEachOtherAndFromTheScanAsItCame) {
   Random random(4);
-  const Sampled box(tower(random));
-  const auto best = *best_orientations(box.samples, {});
-  for (std::size_t i = 0; i < best.size(); ++i) {
-    const auto up = [&](std::size_t k) -> Vec3d {
-      return rotation_matrix({best[k].degrees[0], best[k].degrees[1], 0}).row(2).transpose();
-    };
-    for (std::size_t k = 0; k < i; ++k) {
-      EXPECT_LE(best[k].cost.total, best[i].cost.total);
-      EXPECT_LT(up(k).dot(up(i)), std::cos(29 * kPi / 180));
+  for (const Surface& surface : {tower(random), sphere(20000, 10, {0, 0, 0}), turned(tower(random), {40, 20, 0})}) {
+    const Sampled sampled(surface);
+    const auto best = *best_orientations(sampled.samples, CleanSide::kNone, {});
+    EXPECT_EQ(best[0].degrees, (std::array<double, 2>{0, 0}));
+    for (std::size_t i = 1; i < best.size(); ++i) {
+      EXPECT_LT(up_of(best[i])[2], std::cos(19.9 * kPi / 180));
+      for (std::size_t k = 1; k < i; ++k) {
+        EXPECT_LE(best[k].cost.total, best[i].cost.total);
+        EXPECT_LT(up_of(best[k]).dot(up_of(best[i])), std::cos(29 * kPi / 180));
+      }
     }
   }
+}
+
+TEST(Orientation, AScarOnTheSideThatStaysCleanCostsWhatAFormulaSaysOfABall) {
+  const Sampled ball(sphere(20000, 10, {0, 0, 0}));
+  const double scale = 4 * kPi * 100 / static_cast<double>(ball.samples.area);
+  // Of the cap within 45 degrees of straight down, the integral of cos^2 over the sphere; the foot at its middle needs none.
+  const double cap = 2 * kPi * 100 * (1 - std::pow(0.5, 1.5)) / 3;
+  EXPECT_NEAR(cost_of(ball.samples, {0, 0}, CleanSide::kMinusZ).clean_area * scale, cap, 0.12 * cap);
+  EXPECT_NEAR(cost_of(ball.samples, {180, 0}, CleanSide::kMinusZ).clean_area * scale, 0, 1e-3 * cap);
+  EXPECT_NEAR(cost_of(ball.samples, {90, 0}, CleanSide::kPlusY).clean_area * scale, 0, 1e-3 * cap) << "its -y is down";
+  EXPECT_NEAR(cost_of(ball.samples, {-90, 0}, CleanSide::kPlusY).clean_area * scale, cap, 0.12 * cap);
+  EXPECT_EQ(cost_of(ball.samples, {0, 0}).clean_area, 0);
+}
+
+TEST(Orientation, KeepsASideCleanThatWouldBeDown) {
+  const Sampled ball(sphere(20000, 10, {0, 0, 0}));
+  for (const CleanSide side : {CleanSide::kMinusZ, CleanSide::kPlusX, CleanSide::kMinusY}) {
+    const auto best = *best_orientations(ball.samples, side, {});
+    const OrientationCost& cost = cheapest(best).cost;
+    EXPECT_LT(cost.clean_area, 0.2 * cost.support_area) << kCleanSideWords[static_cast<std::size_t>(side)];
+  }
+}
+
+TEST(CleanSide, HasOneTableOfWords) {
+  for (std::size_t i = 0; i < kCleanSideWords.size(); ++i) {
+    EXPECT_EQ(clean_side_named(kCleanSideWords[i]), static_cast<CleanSide>(i));
+    EXPECT_NE(std::string_view(kCleanSideForm).find(kCleanSideWords[i]), std::string_view::npos);
+  }
+  EXPECT_FALSE(clean_side_named("y"));
+  EXPECT_EQ(facing(CleanSide::kMinusY, {0, -1, 0}), 1);
+  EXPECT_EQ(facing(CleanSide::kMinusY, {0, 1, 0}), 0);
+  EXPECT_EQ(facing(CleanSide::kPlusX, {1, 0, 0}), 1);
+  EXPECT_EQ(facing(CleanSide::kNone, {1, 0, 0}), 0);
 }
 
 /// A cone with an open base, on which it should stand.

@@ -71,10 +71,15 @@ TEST(StickJob, TakesASizeInItsUnit) {
 }
 
 TEST(StickJob, TakesAFloorAndAnOrientation) {
-  const auto job = parse_stick_job("[job]\nscan = 'a.ply'\nfloor = '-3.5'\n[placement]\norient = 'auto'\n", "job.toml");
+  const auto job = parse_stick_job(
+      "[job]\nscan = 'a.ply'\nfloor = '-3.5'\n[placement]\norient = 'auto'\nkeep_clean = '-y'\n", "job.toml");
   ASSERT_TRUE(job) << job.error().message();
   EXPECT_EQ(job->floor, (FloorChoice{FloorChoice::Kind::kHeight, -3.5}));
   EXPECT_TRUE(job->orient);
+  EXPECT_EQ(job->keep_clean, CleanSide::kMinusY);
+  const auto no_side = parse_stick_job("[job]\nscan = 'a.ply'\n[placement]\nkeep_clean = 'face'\n", "job.toml");
+  ASSERT_FALSE(no_side);
+  EXPECT_THAT(no_side.error().message(), HasSubstr("keep_clean"));
   const auto wrong = parse_stick_job("[job]\nscan = 'a.ply'\nfloor = 'wood'\n", "job.toml");
   ASSERT_FALSE(wrong);
   EXPECT_THAT(wrong.error().message(), HasSubstr("auto, keep, or a height"));

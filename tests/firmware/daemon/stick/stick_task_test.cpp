@@ -38,7 +38,7 @@ TEST_F(StickTask, ReadsAJobFileAsThisProcessDoes) {
       "units = 'in'\nscale = 1.5\nfit = true\nrotate_x_deg = -90\nrotate_y_deg = 1e-3\nrotate_z_deg = 360\n"
       "layer_height = 0.05\n",
       "[job]\nscan = 'a.ply'\nsupports = 'none'\nbase = 'flat'\n",
-      "[job]\nscan = 'a.ply'\n[placement]\nheight = '8 cm'\norient = 'auto'\n",
+      "[job]\nscan = 'a.ply'\n[placement]\nheight = '8 cm'\norient = 'auto'\nkeep_clean = '+z'\n",
       "[job]\nscan = 'a.ply'\nfloor = 'keep'\n",
       "[job]\nscan = 'a.ply'\nfloor = '-3.5'\n",
       "[job]\nscan = 'a.ply'\n[placement]\nlength = '3.15in'\n",
@@ -73,6 +73,7 @@ TEST_F(StickTask, BelievesNoFieldOutOfRange) {
       [](JobAnswer& job) { job.scans = 0; },
       [](JobAnswer& job) { job.scans = 2; },
       [](JobAnswer& job) { job.scans = 33; },
+      [](JobAnswer& job) { job.keep_clean = 7; },
       [](JobAnswer& job) { job.profile[0] = '/'; },
       [](JobAnswer& job) { job.units = 5; },
       [](JobAnswer& job) { job.base = 3; },
