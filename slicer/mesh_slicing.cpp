@@ -6,10 +6,10 @@
 #include "slicer/mesh/mesh_dipoles.hpp"
 #include "slicer/mesh/mesh_reading.hpp"
 #include "slicer/mesh/open/lone_columns.hpp"
-#include "slicer/orientation/ways_up.hpp"
 #include "slicer/plan/mesh_plan.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/source_checks.hpp"
+#include "slicer/ways_up.hpp"
 
 namespace plumbline::inline slicer {
 namespace {

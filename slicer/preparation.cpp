@@ -11,10 +11,10 @@
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/core/words/plural.hpp"
 #include "slicer/mesh_slicing.hpp"
-#include "slicer/orientation/ways_up.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/source_checks.hpp"
 #include "slicer/surface/surface_points.hpp"
+#include "slicer/ways_up.hpp"
 
 namespace plumbline::inline slicer {
 namespace {

@@ -9,9 +9,9 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/orientation/ways_up.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 #include "slicer/slice_settings.hpp"
+#include "slicer/ways_up.hpp"
 
 namespace plumbline::firmware {
 

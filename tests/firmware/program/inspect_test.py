@@ -66,7 +66,8 @@ class Inspect(Program):
         told = json.loads(self.run_it("orient", self.scan, "--json").stdout)
         self.assertEqual(len(told["best"]), 4)
         self.assertAlmostEqual(told["now"]["height_mm"], 24, delta=0.5)
-        self.assertEqual(told["now"]["layers"], math.ceil(told["now"]["height_mm"] / 0.05 - 0.01))
+        # A ball is lifted by 5 mm, above a raft of 0.8 mm.
+        self.assertAlmostEqual(told["now"]["layers"] * 0.05, told["now"]["height_mm"] + 5.8, delta=0.5)
         # All are of one size, and have supports that were counted.
         for way in told["best"]:
             self.assertAlmostEqual(way["height_mm"], 24, delta=0.5)

@@ -1,4 +1,4 @@
-#include "slicer/orientation/ways_up.hpp"
+#include "slicer/ways_up.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -39,7 +39,7 @@ using PrintedWays = std::array<WayUp, 1 + kBestOrientations>;
 const WayUp& cheapest(const PrintedWays& ways);
 
 /// Finds them. All are of one size, that of the figure as it came; only with PlacementSettings::fit each is as large as it fits.
-/// The supports of each are counted at some hundred voxels along the longest side, in which walls thinner than one are lost: on a desktop all five take about a second.
+/// The supports of each are counted at some hundred voxels along the longest side, in which walls thinner than one are lost: on a desktop all five take two seconds of CPU time.
 /// @param cloud     of the scan as it came, with normals: tells sizes more exactly than the samples
 /// @param samples   of `cloud`
 /// @param settings  placement: that of the print, with the unit that the format fixes; of the rotation, only that about z counts. keep_clean, supports
