@@ -121,7 +121,7 @@ Vec3d up_of(const Orientation& o) { return rotation_matrix({o.degrees[0], o.degr
 
 TEST(Orientation, TheBestDifferFromEachOtherAndFromTheScanAsItCame) {
   Random random(4);
-  for (const Surface& surface : {tower(random), sphere(20000, 10, {0, 0, 0}), turned(tower(random), {40, 20, 0})}) {
+  for (const Surface& surface : {tower(random), sphere(20000, 10, {0, 0, 0}), turned(tower(random), {0, 40, 0})}) {
     const Sampled sampled(surface);
     const auto best = *best_orientations(sampled.samples, CleanSide::kNone, {});
     EXPECT_EQ(best[0].degrees, (std::array<double, 2>{0, 0}));
@@ -138,8 +138,8 @@ TEST(Orientation, TheBestDifferFromEachOtherAndFromTheScanAsItCame) {
 TEST(Orientation, AScarOnTheSideThatStaysCleanCostsWhatAFormulaSaysOfABall) {
   const Sampled ball(sphere(20000, 10, {0, 0, 0}));
   const double scale = 4 * kPi * 100 / static_cast<double>(ball.samples.area);
-  // Of the cap within 45 degrees of straight down, the integral of cos^2 over the sphere; the foot at its middle needs none.
-  const double cap = 2 * kPi * 100 * (1 - std::pow(0.5, 1.5)) / 3;
+  // The integral of cos^2 over the cap within 45 degrees of straight down, but for the foot in its middle, where the cosine is above 0.97.
+  const double cap = 2 * kPi * 100 * (std::pow(0.97, 3) - std::pow(0.5, 1.5)) / 3;
   EXPECT_NEAR(cost_of(ball.samples, {0, 0}, CleanSide::kMinusZ).clean_area * scale, cap, 0.12 * cap);
   EXPECT_NEAR(cost_of(ball.samples, {180, 0}, CleanSide::kMinusZ).clean_area * scale, 0, 1e-3 * cap);
   EXPECT_NEAR(cost_of(ball.samples, {90, 0}, CleanSide::kPlusY).clean_area * scale, 0, 1e-3 * cap) << "its -y is down";
