@@ -106,9 +106,7 @@ Status check_archive_options(const PrintOptions& options) {
   const bool turned = job.orient || job.rotate_degrees != decltype(job.rotate_degrees){};
   const bool read_otherwise = job.units != Units::kMillimetres || job.as != ReadAs::kAuto ||
                               job.base != BaseChoice::kAuto || job.floor != FloorChoice() || job.keep_all;
-  const bool supported =
-      options.supports.enable || std::any_of(options.supports.values.begin(), options.supports.values.end(),
-                                             [](const auto& value) { return value.has_value(); });
+  const bool supported = options.supports != SupportChoice();
   if (job.scale == 1 && !job.fit && !job.size && !turned && !read_otherwise && !supported) return {};
   return fail(ErrorCode::kBadSetting,
               "%s: is sliced already, so it is printed as it is.\tLeave out the options that place, read or support a "
@@ -227,6 +225,10 @@ Expected<Printable> slice_scan(const PrintOptions& options, const JobSetup& setu
   for_each_remark(printable->slice,
                   [&](const Told& told, std::string_view remark) { terminal.warn(at_terminal(told, remark).view()); });
   const MaskParts& parts = printable->parts;
+  if (*supports && !terminal.silent()) {
+    const auto stand = stand_text(**supports, printable->support_counts, parts.rrep.grid.layer_height_mm);
+    write_line("stands     " + std::string(stand.view()));
+  }
   tell_issues(options, scan->title(), *printable->findings, parts.rrep.grid, parts.rrep, parts.supports,
               printer.profile.checks, terminal);
   return printable;
@@ -357,6 +359,7 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
       ->needs(state)
       ->excludes(resume)
       ->group(kPrint);
+  resume->excludes("--support-stand");
   for (const SupportField& field : kSupportFields) resume->excludes(option_name(field));
   command
       ->add_option_function<std::vector<std::string>>(

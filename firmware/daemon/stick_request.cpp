@@ -38,7 +38,9 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   placement.layer_height_mm = static_cast<float>(profile.layer_height);
   placement.printer = printer_volume(daemon.board);
   tell_checks(profile, daemon.machine, request.settings);
-  const auto supports = SupportChoice{job.supports, {}}.over(profile.supports_enable, profile.supports);
+  SupportChoice choice;
+  choice.enable = job.supports;
+  const auto supports = choice.over(profile.supports_enable, profile.supports);
   PLUMBLINE_TRY(supports);
   request.supports = request.settings.supports = *supports;
   if (*supports) placement.room = support_room(**supports);

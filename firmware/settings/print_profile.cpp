@@ -25,12 +25,13 @@ std::vector<SettingRule> rules_for(PrintProfile& p) {
       {"resin", "bottle_cost", &p.bottle_cost, 0, 100000, "", kOptional},
       {"resin", "bottle_volume", &p.bottle_volume, 1, 100000, " ml", kOptional},
       {"supports", "supports_enable", &p.supports_enable, 0, 0, "", kOptional},
+      {"supports", "support_stand", choice(std::span(kStandWords), p.supports.stand), 0, 0, "", kOptional},
   };
   for (const PrintField& field : kPrintFields) {
     if (!field.in_profile) continue;
     SettingRule rule{"print", field.name, &p.layer_height, field.low, field.high, field.unit};
     std::visit([&](auto member) { rule.value = &(p.*member); }, field.member);
-    rules.insert(rules.end() - 1, rule);  // rules of a table stand together
+    rules.insert(rules.end() - 2, rule);  // rules of a table stand together
   }
   for (const SupportField& field : kSupportFields) {
     rules.push_back({"supports", field.key, &(p.supports.*field.member), field.low, field.high,
@@ -56,6 +57,9 @@ Expected<PrintProfile> parse_print_profile(std::string_view text, std::string_vi
       return "allowed is at most the whole lift, lift_height + lift_height2";
     }
     const SupportSettings& supports = profile.supports;
+    if (rule.key == "support_stand" && supports.stand == SupportStand::kRaised && !(supports.object_elevation > 0)) {
+      return "which needs a support_object_elevation";
+    }
     if (rule.key == "support_head_front_diameter" && supports.head_front_diameter > supports.pillar_diameter) {
       return "allowed is at most support_pillar_diameter";
     }

@@ -11,9 +11,12 @@ namespace plumbline::firmware::inline settings {
 
 struct SupportChoice {
   std::optional<bool> enable;                                       ///< none: as in the profile
+  std::optional<SupportStand> stand;                                ///< none: as below
   std::array<std::optional<double>, kSupportFields.size()> values;  ///< in the order of kSupportFields
 
-  /// Applies the choice to a profile.
+  bool operator==(const SupportChoice&) const = default;
+
+  /// Applies the choice to a profile. An elevation without a stand raises the object, or puts it on the plate if it is 0 mm.
   /// @param enabled, settings  of the profile
   /// @returns the settings of the job; none: no supports
   /// @retval ErrorCode::kBadSetting  settings contradict each other, or one is given although supports are off

@@ -164,6 +164,25 @@ FixedText<96> size_text(const Placement& placement) {
   return text;
 }
 
+FixedText<160> stand_text(const SupportSettings& settings, const SupportCounts& counts, double layer_height_mm) {
+  FixedText<160> text;
+  const bool raised = counts.lifted > 0;
+  if (raised) {
+    text.add("%.4g mm above the plate, %s a raft", counts.lifted * layer_height_mm,
+             settings.pad_wall_thickness > 0 ? "on" : "without");
+  } else {
+    text.add("on the plate");
+  }
+  if (settings.stand != SupportStand::kAuto || !(lift_mm(settings) > 0)) {
+    text.add(", as asked%s", counts.flat == false ? "; its underside is not flat" : "");
+  } else if (raised) {
+    text.add(", since its underside is not flat; --support-stand plate puts it down");
+  } else {
+    text.add(", since its underside is flat; --support-stand raised lifts it by %.4g mm", lift_mm(settings));
+  }
+  return text;
+}
+
 Sentence ignored_units_warning(Units units) {
   Sentence text;
   text.add("the unit %s was ignored: the file says its own (E57 in metres, 3MF and tables any)", to_string(units));

@@ -90,6 +90,9 @@ FixedText<96> scanned_text(const Unseen& unseen);
 /// "39.85 x 30.08 x 59.30 mm, 1184 layers of 0.05 mm": the size of the placed object, without supports.
 FixedText<96> size_text(const Placement& placement);
 
+/// "on the plate, since its underside is flat; --support-stand raised lifts it by 5.8 mm": how the object stands with supports, and why.
+FixedText<160> stand_text(const SupportSettings& settings, const SupportCounts& counts, double layer_height_mm);
+
 /// Says that the unit asked for was ignored, and why.
 Sentence ignored_units_warning(Units units);
 

@@ -76,6 +76,10 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
              report.supports.all(), plural_s(report.supports.all()));
   }
   text.add("\n");
+  if (report.support_settings) {
+    text.add("stands     %s\n",
+             stand_text(*report.support_settings, report.supports, s.placement.grid.layer_height_mm).c_str());
+  }
   if (!print_time.empty()) {
     text.add("time       %.*s\n", static_cast<int>(print_time.size()), print_time.data());
   }

@@ -141,10 +141,13 @@ void write_supports(JsonWriter& json, const JobReport& report) {
   json.member("unbraced_pillars", s.unbraced);
   json.member("longest_free_mm", s.longest_free_mm);
   json.member("largest_load_mm2", s.largest_load_mm2);
+  json.member("raised", s.lifted > 0);
+  json.member("flat_underside", s.flat);
   json.member("lifted_layers", s.lifted);
   json.member("sunk_layers", s.sunk);
   json.member("volume_mm3", report.support_volume_mm3());
   json.begin_object("settings");
+  json.member("support_stand", kStandWords[static_cast<std::size_t>(report.support_settings->stand)]);
   for (const SupportField& field : kSupportFields) json.member(field.key, (*report.support_settings).*field.member);
   json.end_object();
   json.end_object();

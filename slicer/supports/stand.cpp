@@ -39,7 +39,7 @@ Expected<std::optional<Stand>> on_flat_layer(const RRep& rrep, Arena& arena) {
   }
   const auto rise =
       static_cast<std::uint32_t>(std::floor(kFlatRise_mm / static_cast<double>(rrep.grid.layer_height_mm) + 0.5));
-  Stand stand;
+  Stand stand{.flat = true};
   for (; stand.sunk < candidates; ++stand.sunk) {
     const std::uint64_t here = pixels_in(stream->mask(stand.sunk), window);
     if (here * kFlatShare >= largest &&
@@ -56,10 +56,13 @@ Expected<std::optional<Stand>> on_flat_layer(const RRep& rrep, Arena& arena) {
 
 Expected<Stand> choose_stand(const RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers,
                              Arena& arena) {
-  if (!(settings.object_elevation > 0)) return Stand{};
-  const auto flat = on_flat_layer(rrep, arena);
-  PLUMBLINE_TRY(flat);
-  if (*flat) return **flat;
+  const bool is_asked = settings.stand == SupportStand::kRaised;
+  if (!is_asked) {
+    const auto flat = on_flat_layer(rrep, arena);
+    PLUMBLINE_TRY(flat);
+    if (*flat) return **flat;
+    if (!(lift_mm(settings) > 0)) return Stand{.flat = false};
+  }
   const auto layer_height = static_cast<double>(rrep.grid.layer_height_mm);
   const auto lifted = static_cast<std::uint32_t>(std::ceil(lift_mm(settings) / layer_height - 1e-6));
   if (most_layers < rrep.grid.layers || lifted > most_layers - rrep.grid.layers) {
@@ -71,13 +74,15 @@ Expected<Stand> choose_stand(const RRep& rrep, const SupportSettings& settings, 
                (rrep.grid.layers + lifted - std::min(most_layers, rrep.grid.layers + lifted)) * layer_height},
               {Fact::kLimitMm, most_layers * layer_height}}),
         fail(ErrorCode::kDoesNotFit,
-             "the object is %.2f mm high and has no flat underside, so supports lift it by %.2f mm: %.2f mm more than "
-             "the printer's %.2f mm.\tMake it smaller, rotate it, or have it lifted less",
-             rrep.grid.layers * layer_height, lifted * layer_height,
+             "the object is %.2f mm high%s supports lift it by %.2f mm: %.2f mm more than the printer's %.2f mm.\tMake "
+             "it "
+             "smaller, rotate it, or have it lifted less",
+             rrep.grid.layers * layer_height, is_asked ? ", and" : " and has no flat underside, so",
+             lifted * layer_height,
              (rrep.grid.layers + lifted - std::min(most_layers, rrep.grid.layers + lifted)) * layer_height,
              most_layers * layer_height));
   }
-  return Stand{.lifted = lifted};
+  return Stand{.lifted = lifted, .flat = is_asked ? std::nullopt : std::optional(false)};
 }
 
 Status stand_object(RRep& rrep, const Stand& stand, Arena& arena) {

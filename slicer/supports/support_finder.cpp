@@ -182,6 +182,7 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
   PLUMBLINE_TRY(stand_object(stood, {.sunk = stand->sunk, .lifted = 0}, arena));
   counts.lifted = stand->lifted;
   counts.sunk = stand->sunk;
+  counts.flat = stand->flat;
   const ArenaScope scope(arena);
   const auto scratch = Scratch::take(stood.grid, arena);
   PLUMBLINE_TRY(scratch);

@@ -34,6 +34,7 @@ struct SupportCounts {
   std::uint32_t unbraced = 0;   ///< pillars with more than 10 mm between braces
   std::uint32_t lifted = 0;     ///< layers by which the object was lifted
   std::uint32_t sunk = 0;       ///< layers that were cut off below it
+  std::optional<bool> flat;     ///< whether the underside is flat; none: the object was raised anyway
   double longest_free_mm = 0;   ///< longest stretch of a pillar without a brace
   double largest_load_mm2 = 0;  ///< of overhang, on one tip
 

@@ -29,6 +29,9 @@ Status check_support_settings(const SupportSettings& settings) {
         "edge narrows towards the plate",
         settings.pad_wall_thickness, settings.base_diameter / 2 + settings.pad_brim_size);
   }
+  if (settings.stand == SupportStand::kRaised && !(settings.object_elevation > 0)) {
+    return fail(ErrorCode::kBadSetting, "support_stand is raised, but support_object_elevation is 0 mm");
+  }
   return {};
 }
 

@@ -2,11 +2,17 @@
 /// Settings of supports: their shape and where they are needed, in the words of resin slicers.
 
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 #include "slicer/core/error.hpp"
 
 namespace plumbline::inline slicer {
+
+/// How the object stands. kAuto: on the plate if its underside is flat (stand.hpp), raised otherwise.
+enum class SupportStand : std::uint8_t { kAuto, kPlate, kRaised };
+/// In this order.
+inline constexpr std::array<std::string_view, 3> kStandWords = {"auto", "plate", "raised"};
 
 /// Lengths are mm, angles degrees. A name that PrusaSlicer has means what it means there, as do the defaults except those of the
 /// pad, which is thinner here and bevelled.
@@ -31,7 +37,7 @@ struct SupportSettings {
   double max_bridge_length = 15;         ///< of the bridge from a head to a pillar
   double max_pillar_link_distance = 10;  ///< between pillars that are braced
   double points_minimal_distance = 1;    ///< between tips that share the load of an overhang
-  double object_elevation = 5;           ///< of the object above the raft; 0: it stands on the plate
+  double object_elevation = 5;           ///< of a raised object above the raft; 0: any stands on the plate
   double pad_wall_thickness = 0.8;       ///< height of the raft; 0: none
   double pad_wall_slope = 45;  ///< of its edge, from the horizontal: wider at the top, so that a scraper gets below
   double pad_brim_size = 0.8;  ///< by which it is wider than the bases: as wide as its bevel
@@ -40,6 +46,7 @@ struct SupportSettings {
   double overhang_angle = 35;  ///< from the horizontal; a steeper surface carries itself
   double overhang_span = 5;    ///< between two held places; an overhang longer than half of it gets supports
   double area_per_tip = 12;    ///< mm2 of overhang that a tip carries at most
+  SupportStand stand = SupportStand::kAuto;
 };
 
 /// A setting, as in files, command lines and reports.
@@ -79,9 +86,9 @@ inline constexpr std::array<SupportField, 19> kSupportFields = {{
     {"support_points_minimal_distance", &SupportSettings::points_minimal_distance, 0, 10, "mm",
      "Between tips that share a load"},
     {"support_object_elevation", &SupportSettings::object_elevation, 0, 50, "mm",
-     "Of an object without a flat underside above the raft; 0: it always stands on the plate"},
+     "Of a raised object above the raft; 0: any stands on the plate"},
     {"pad_wall_thickness", &SupportSettings::pad_wall_thickness, 0, 10, "mm",
-     "Height of the raft below an object that is lifted; 0: none"},
+     "Height of the raft below a raised object; 0: none"},
     {"pad_wall_slope", &SupportSettings::pad_wall_slope, 45, 90, "deg",
      "Of the raft's edge, from the horizontal: below 90 a scraper gets under it"},
     {"pad_brim_size", &SupportSettings::pad_brim_size, 0, 20, "mm", "By which the raft is wider than the bases"},
@@ -94,8 +101,14 @@ inline constexpr std::array<SupportField, 19> kSupportFields = {{
     {"support_area_per_tip", &SupportSettings::area_per_tip, 0.5, 100, "mm2", "Overhang that a tip carries at most"},
 }};
 
-/// @retval ErrorCode::kBadSetting  a value is out of range, the head is wider than the pillar, or the pillar wider than the base;
-///                                 the message names the key, the value and what is allowed
+/// mm above the plate at which a raised object begins; 0: none is raised.
+inline double lift_mm(const SupportSettings& settings) {
+  const bool stays = settings.stand == SupportStand::kPlate || !(settings.object_elevation > 0);
+  return stays ? 0 : settings.object_elevation + settings.pad_wall_thickness;
+}
+
+/// @retval ErrorCode::kBadSetting  a value is out of range, the head is wider than the pillar, the pillar wider than the base, or the
+///                                 object is to be raised by 0 mm; the message names the key, the value and what is allowed
 [[nodiscard]] Status check_support_settings(const SupportSettings& settings);
 
 }  // namespace plumbline::inline slicer

@@ -45,6 +45,12 @@ ReadAs as_named(const std::string& name) {
   return ReadAs::kAuto;
 }
 
+/// @param name  one of kStandWords
+SupportStand stand_named(const std::string& name) {
+  const auto* const word = std::find(kStandWords.begin(), kStandWords.end(), name);
+  return static_cast<SupportStand>(word - kStandWords.begin());
+}
+
 /// @returns --printer, which others depend on
 CLI::Option* add_printer_options(CLI::App& app, JobOptions& job) {
   auto* printer = app.add_option("--printer", job.printer,
@@ -250,6 +256,13 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
          std::string("auto puts supports under islands and overhangs, none leaves them out ") + default_kind)
       ->type_name("KIND")
       ->check(one_of({"none", "auto"}))
+      ->group(kSupportsGroup);
+  app.add_option_function<std::string>(
+         "--support-stand", [&choice](const std::string& name) { choice.stand = stand_named(name); },
+         "plate puts any object on the plate, raised lifts any by --support-object-elevation and the raft, auto lifts "
+         "those without a flat underside [auto; raised with --support-object-elevation]")
+      ->type_name("KIND")
+      ->check(one_of({kStandWords.begin(), kStandWords.end()}))
       ->group(kSupportsGroup);
   for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
     const SupportField& field = kSupportFields[i];

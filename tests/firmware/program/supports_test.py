@@ -39,11 +39,36 @@ class Supports(Program):
         self.slice_it("--supports", "none", "--no-preview")
         self.assertEqual(self.manifest()["hashes"], supported["hashes"])
 
+    def test_the_summary_says_how_the_object_stands_and_why(self):
+        for arguments, height, sentence in (
+            (("--supports", "auto"), 5.8, "5.8 mm above the plate, on a raft, since its underside is not flat; --support-stand plate puts it down"),
+            (("--support-stand", "plate"), 0, "on the plate, as asked; its underside is not flat"),
+            (("--support-object-elevation", 0), 0, "on the plate, as asked; its underside is not flat"),
+        ):
+            self.assertIn(f"stands     {sentence}\n", self.slice_it(*arguments, "--no-preview").stdout)
+            self.assertEqual(self.stand(), (height, height > 0, False))
+        self.cut_below(0)
+        for arguments, height, flat, sentence in (
+            (("--supports", "auto"), 0, True, "on the plate, since its underside is flat; --support-stand raised lifts it by 5.8 mm"),
+            (("--support-stand", "raised"), 5.8, None, "5.8 mm above the plate, on a raft, as asked"),
+            (("--support-object-elevation", 3), 3.8, None, "3.8 mm above the plate, on a raft, as asked"),
+            (("--support-object-elevation", 3, "--pad-wall-thickness", 0), 3, None, "3 mm above the plate, without a raft, as asked"),
+        ):
+            self.assertIn(f"stands     {sentence}\n", self.slice_it(*arguments, "--no-preview").stdout)
+            self.assertEqual(self.stand(), (height, height > 0, flat))
+
+    def stand(self):
+        supports = self.manifest()["supports"]
+        height = round(supports["lifted_layers"] * self.manifest()["grid"]["layer_height_mm"], 6)
+        return height, supports["raised"], supports["flat_underside"]
+
     def test_wrong_support_settings_are_refused(self):
         for arguments, message in (
             (("--supports", "none", "--support-base-diameter", 3), "support_base_diameter is given, but supports are off"),
             (("--supports", "auto", "--support-critical-angle", 81), "not a number from 30 to 80"),
             (("--supports", "auto", "--support-pillar-diameter", 5), "more than support_base_diameter"),
+            (("--support-stand", "plate", "--support-object-elevation", 3), "support_object_elevation is 3 mm, but support_stand is plate"),
+            (("--support-stand", "up"), "'up' is not one of auto, plate, raised"),
             (("--supports", "yes"), "yes"),
         ):
             done = self.slice_it(*arguments, status=2)

@@ -75,6 +75,32 @@ TEST(Stand, LiftsWhatIsNotFlatByElevationAndRaft) {
   EXPECT_EQ(Stood(round, settings).stand->lifted, 0U);
 }
 
+TEST(Stand, IsAsAskedWhateverTheUnderside) {
+  const Inside cube = blocks({{20, 44, 20, 44, 0, 40}});
+  const Inside round = ball(32, 32, 24, 24);
+  SupportSettings settings;
+  settings.stand = SupportStand::kRaised;
+  EXPECT_EQ(Stood(cube, settings).stand->lifted, kLift);
+  EXPECT_EQ(Stood(cube, settings).stand->flat, std::nullopt);
+  EXPECT_EQ(Stood(round, settings).stand->lifted, kLift);
+  settings.pad_wall_thickness = 0;
+  EXPECT_EQ(Stood(cube, settings).stand->lifted, 50U) << "without a raft";
+  settings.stand = SupportStand::kPlate;
+  EXPECT_EQ(Stood(cube, settings).stand->lifted, 0U);
+  EXPECT_EQ(Stood(cube, settings).stand->flat, true);
+  EXPECT_EQ(Stood(round, settings).stand->lifted, 0U);
+  EXPECT_EQ(Stood(round, settings).stand->sunk, 0U);
+  EXPECT_EQ(Stood(round, settings).stand->flat, false);
+  EXPECT_TRUE(Stood(round, settings, 48).stand) << "the printer has no room for a lift";
+}
+
+TEST(Stand, SinksOnThePlateAlsoWhereThatIsAsked) {
+  const Inside on_a_speck = blocks({{30, 37, 30, 37, 0, 2}, {20, 44, 20, 44, 2, 140}});
+  SupportSettings settings;
+  settings.stand = SupportStand::kPlate;
+  EXPECT_EQ(Stood(on_a_speck, settings, 1000, 140).stand->sunk, 2U);
+}
+
 TEST(Stand, IsRefusedIfTheLiftedObjectIsTooHigh) {
   const Inside round = ball(32, 32, 24, 24);
   EXPECT_TRUE(Stood(round, {}, 48 + kLift).stand);

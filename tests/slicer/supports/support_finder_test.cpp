@@ -365,6 +365,24 @@ TEST(Supports, LeaveOutASpeckBelowALiftedObject) {
   EXPECT_EQ(s.object[12 + s.counts.lifted].count(), 44U * 44U);
 }
 
+TEST(Supports, HoldAFlatUndersideThatIsRaised) {
+  SupportSettings settings;
+  EXPECT_TRUE(Supported(blocks({{10, 54, 10, 54, 0, 40}}), settings).supports.empty());
+  settings.stand = SupportStand::kRaised;
+  settings.object_elevation = 4;
+  settings.base_diameter = 1;
+  for (const double raft_mm : {0.8, 0.0}) {
+    settings.pad_wall_thickness = raft_mm;
+    const Supported s(blocks({{10, 54, 10, 54, 0, 40}}), settings);
+    EXPECT_EQ(s.counts.lifted, raft_mm > 0 ? 48U : 40U);
+    EXPECT_EQ(s.counts.unreached, 0U);
+    EXPECT_EQ(floating_islands(s.masks), 0U);
+    EXPECT_LE(s.hang(), kReach + kRounded);
+    const auto is_raft = [](const Strut& strut) { return strut.kind == StrutKind::kRaft; };
+    EXPECT_EQ(std::ranges::any_of(s.supports.list, is_raft), raft_mm > 0);
+  }
+}
+
 TEST(Supports, EndWithTheObjectIfASpeckAboveItIsLeftOut) {
   const Supported s(cubic_grid(kSide, 27), blocks({{10, 54, 10, 54, 0, 20}, {30, 33, 30, 32, 25, 27}}));
   EXPECT_EQ(s.counts.specks, 1U);

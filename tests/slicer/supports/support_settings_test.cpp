@@ -43,5 +43,15 @@ TEST(SupportSettings, AreRefusedUnlessTheyNarrowTowardsTheObject) {
   EXPECT_THAT(refusal(wide_pillar), HasSubstr("support_pillar_diameter is 5 mm, more than support_base_diameter"));
 }
 
+TEST(SupportSettings, AreRefusedIfTheyRaiseTheObjectByNothing) {
+  SupportSettings settings;
+  settings.stand = SupportStand::kRaised;
+  EXPECT_EQ(refusal(settings), "");
+  settings.object_elevation = 0;
+  EXPECT_EQ(refusal(settings), "support_stand is raised, but support_object_elevation is 0 mm");
+  settings.stand = SupportStand::kPlate;
+  EXPECT_EQ(refusal(settings), "");
+}
+
 }  // namespace
 }  // namespace plumbline
