@@ -134,6 +134,7 @@ std::string slicer_print(const PrintProfile& profile) {
   Lines lines;
   add_print(profile, profile.layer_height, lines);
   lines.add("supports_enable", profile.supports_enable ? 1U : 0U);
+  lines.add("support_buildplate_only", profile.supports.buildplate_only ? 1U : 0U);
   // PrusaSlicer wants a pad's brim to reach beyond its slope, which ours need not, and has no keys for how supports are found.
   constexpr std::string_view kOurs[] = {"support_overhang_angle", "support_overhang_span", "support_area_per_tip"};
   for (const SupportField& field : kSupportFields) {

@@ -359,7 +359,9 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
       ->needs(state)
       ->excludes(resume)
       ->group(kPrint);
-  resume->excludes("--support-stand");
+  for (const char* const name : {"--support-preset", "--support-stand", "--support-buildplate-only"}) {
+    resume->excludes(name);
+  }
   for (const SupportField& field : kSupportFields) resume->excludes(option_name(field));
   command
       ->add_option_function<std::vector<std::string>>(

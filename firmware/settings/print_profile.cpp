@@ -26,17 +26,22 @@ std::vector<SettingRule> rules_for(PrintProfile& p) {
       {"resin", "bottle_volume", &p.bottle_volume, 1, 100000, " ml", kOptional},
       {"supports", "supports_enable", &p.supports_enable, 0, 0, "", kOptional},
       {"supports", "support_stand", choice(std::span(kStandWords), p.supports.stand), 0, 0, "", kOptional},
+      {"supports", "support_buildplate_only", &p.supports.buildplate_only, 0, 0, "", kOptional},
+      {"supports", "support_preset",
+       ChoiceSetting{kPresetWords, [&p](std::size_t preset) { apply(kSupportPresets[preset], p.supports); }}, 0, 0, "",
+       kOptional},  // before the keys that override it
   };
   for (const PrintField& field : kPrintFields) {
     if (!field.in_profile) continue;
     SettingRule rule{"print", field.name, &p.layer_height, field.low, field.high, field.unit};
     std::visit([&](auto member) { rule.value = &(p.*member); }, field.member);
-    rules.insert(rules.end() - 2, rule);  // rules of a table stand together
+    rules.insert(rules.end() - 4, rule);  // rules of a table stand together
   }
   for (const SupportField& field : kSupportFields) {
     rules.push_back({"supports", field.key, &(p.supports.*field.member), field.low, field.high,
                      field.unit == "deg"   ? " degrees"
                      : field.unit == "mm2" ? " mm2"
+                     : field.unit == "%"   ? " %"
                                            : " mm",
                      kOptional});
   }

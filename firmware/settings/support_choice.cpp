@@ -4,8 +4,13 @@ namespace plumbline::firmware::inline settings {
 
 Expected<std::optional<SupportSettings>> SupportChoice::over(bool enabled, SupportSettings settings) const {
   const bool wanted = enable.value_or(enabled);
-  std::string_view given = stand ? "support_stand" : "";
-  if (stand) settings.stand = *stand;
+  std::string_view given = preset            ? "support_preset"
+                           : stand           ? "support_stand"
+                           : buildplate_only ? "support_buildplate_only"
+                                             : "";
+  if (preset) apply(kSupportPresets[*preset], settings);
+  settings.stand = stand.value_or(settings.stand);
+  settings.buildplate_only = buildplate_only.value_or(settings.buildplate_only);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!values[i]) continue;
     const SupportField& field = kSupportFields[i];

@@ -2,6 +2,7 @@
 /// A job's choice of supports: on, off or unspecified, and some of their settings. The profile has the rest.
 
 #include <array>
+#include <cstddef>
 #include <optional>
 
 #include "slicer/core/error.hpp"
@@ -10,8 +11,10 @@
 namespace plumbline::firmware::inline settings {
 
 struct SupportChoice {
-  std::optional<bool> enable;                                       ///< none: as in the profile
-  std::optional<SupportStand> stand;                                ///< none: as below
+  std::optional<bool> enable;         ///< none: as in the profile
+  std::optional<std::size_t> preset;  ///< of kSupportPresets; `values` override it
+  std::optional<SupportStand> stand;  ///< none: as below
+  std::optional<bool> buildplate_only;
   std::array<std::optional<double>, kSupportFields.size()> values;  ///< in the order of kSupportFields
 
   bool operator==(const SupportChoice&) const = default;

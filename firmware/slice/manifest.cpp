@@ -148,6 +148,7 @@ void write_supports(JsonWriter& json, const JobReport& report) {
   json.member("volume_mm3", report.support_volume_mm3());
   json.begin_object("settings");
   json.member("support_stand", kStandWords[static_cast<std::size_t>(report.support_settings->stand)]);
+  json.member("support_buildplate_only", report.support_settings->buildplate_only);
   for (const SupportField& field : kSupportFields) json.member(field.key, (*report.support_settings).*field.member);
   json.end_object();
   json.end_object();

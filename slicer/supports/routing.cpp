@@ -114,6 +114,7 @@ Expected<bool> Routing::find_way(const Tip& tip, Head& head) {
     }
   }
   for (const Vec3d& direction : directions) {
+    if (settings_.buildplate_only) break;
     if (!find_joint(direction, 0, head)) continue;
     const auto done = stand_on_object(head);
     if (!done || *done) return done;
@@ -280,6 +281,7 @@ Expected<bool> Routing::stand_below(const Tip& tip, Head& head) {
   const double bottom = tip.floor * lh_;
   const double height = head.tip.z - bottom;
   const bool on_plate = tip.floor == 0;
+  if (!on_plate && settings_.buildplate_only) return false;
   const double cone = std::min(settings_.head_width, on_plate ? height * 2 / 3 : height / 2);
   head.radius = head.tip_radius + (head.radius - head.tip_radius) * cone / settings_.head_width;
   head.joint = {head.tip.x, head.tip.y, head.tip.z - cone};

@@ -26,7 +26,7 @@ struct RouteCounts {
 ///   - straight down to the plate,
 ///   - over a bridge of up to max_bridge_length to a pillar, or to where the plate is free,
 ///   - by the same ways with a smaller base,
-///   - down to the object, as a pin with a head at both ends.
+///   - down to the object, as a pin with a head at both ends, unless buildplate_only.
 /// Everything but the ends of heads keeps base_safety_distance from the object. A tip that no such way leads from gets no support.
 class Routing {
  public:

@@ -1,6 +1,7 @@
 #include "slicer/supports/support_finder.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "slicer/layers/layer_stream.hpp"
@@ -174,6 +175,14 @@ Expected<std::span<Strut>> find_struts(const RRep& rrep, std::span<Tip> tips, co
   return struts;
 }
 
+/// The same with the density of tips put into what it scales: they are half as far apart where there are four times as many.
+SupportSettings at_density(SupportSettings settings) {
+  const double density = settings.points_density_relative / 100;
+  settings.area_per_tip /= density;
+  settings.overhang_span = std::min(kLongestSpan, settings.overhang_span / std::sqrt(density));
+  return settings;
+}
+
 Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers, Arena& arena,
                         ProgressSink* progress, SupportCounts& counts) {
   const auto stand = choose_stand(rrep, settings, most_layers, arena);
@@ -186,7 +195,8 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
   const ArenaScope scope(arena);
   const auto scratch = Scratch::take(stood.grid, arena);
   PLUMBLINE_TRY(scratch);
-  const auto needed = find_tips(stood, stand->lifted, settings, scratch->tips, scratch->specks, arena, progress);
+  const auto needed =
+      find_tips(stood, stand->lifted, at_density(settings), scratch->tips, scratch->specks, arena, progress);
   PLUMBLINE_TRY(needed);
   counts.specks = needed->speck_count;
   counts.specks_mm3 = static_cast<double>(needed->specks.size()) * static_cast<double>(stood.grid.pitch_x_mm) *

@@ -46,8 +46,28 @@ struct SupportSettings {
   double overhang_angle = 35;  ///< from the horizontal; a steeper surface carries itself
   double overhang_span = 5;    ///< between two held places; an overhang longer than half of it gets supports
   double area_per_tip = 12;    ///< mm2 of overhang that a tip carries at most
+  // And these are PrusaSlicer's again.
+  double points_density_relative = 100;  ///< percent of the tips
+  bool buildplate_only = false;          ///< no support ends on the object
   SupportStand stand = SupportStand::kAuto;
 };
+
+/// Diameters, mm, that suit each other.
+struct SupportPreset {
+  std::string_view name;
+  double head_front_diameter, head_penetration, pillar_diameter;
+};
+/// The names are those of ChiTuBox, whose manual shows tips of 0.3 and 0.6 mm. Medium is PrusaSlicer's "0.05 Normal" for the SL1; heavy has
+/// the head of its "0.1 Fast @SL1S" and the pillar of its "0.1 Fast" (PrusaResearch.ini 1.5.1). It has no light one: its pillar is ours.
+inline constexpr std::array<SupportPreset, 3> kSupportPresets = {
+    {{"light", 0.3, 0.3, 0.8}, {"medium", 0.4, 0.4, 1}, {"heavy", 0.6, 0.6, 1.3}}};
+inline constexpr std::array kPresetWords = {kSupportPresets[0].name, kSupportPresets[1].name, kSupportPresets[2].name};
+
+inline void apply(const SupportPreset& preset, SupportSettings& settings) {
+  settings.head_front_diameter = preset.head_front_diameter;
+  settings.head_penetration = preset.head_penetration;
+  settings.pillar_diameter = preset.pillar_diameter;
+}
 
 /// A setting, as in files, command lines and reports.
 struct SupportField {
@@ -66,7 +86,7 @@ inline constexpr double kLightLoad = 0.7;
 /// Largest support_overhang_span, mm: bounds the memory of the search.
 inline constexpr double kLongestSpan = 30;
 
-inline constexpr std::array<SupportField, 19> kSupportFields = {{
+inline constexpr std::array<SupportField, 20> kSupportFields = {{
     {"support_head_front_diameter", &SupportSettings::head_front_diameter, 0.1, 3, "mm",
      "Where a support meets the object; 3/4 of it under a light load, 3/2 under a heavy one"},
     {"support_head_penetration", &SupportSettings::head_penetration, 0, 2, "mm",
@@ -99,6 +119,8 @@ inline constexpr std::array<SupportField, 19> kSupportFields = {{
     {"support_overhang_span", &SupportSettings::overhang_span, 0.2, kLongestSpan, "mm",
      "Between two places that are held; half of it may jut out"},
     {"support_area_per_tip", &SupportSettings::area_per_tip, 0.5, 100, "mm2", "Overhang that a tip carries at most"},
+    {"support_points_density_relative", &SupportSettings::points_density_relative, 10, 500, "%",
+     "Tips below overhangs, relative to what area per tip and span give"},
 }};
 
 /// mm above the plate at which a raised object begins; 0: none is raised.

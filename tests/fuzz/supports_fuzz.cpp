@@ -73,6 +73,8 @@ Job decode(Input input) {
   if ((flags & 1U) != 0) job.grid.pitch_y_mm = pitch();
   job.is_exact = (flags & 2U) != 0;
   if (flags / 4 % 8 == 7) job.most_layers = job.grid.layers + input.take<std::uint8_t>();
+  if (flags / 4 % 8 < 3) job.settings.stand = static_cast<SupportStand>(flags / 4 % 8);
+  job.settings.buildplate_only = flags / 32 == 6;
   if (flags / 32 == 7) job.arena_bytes = (1 + std::size_t{input.take<std::uint8_t>()}) << 16U;
   for (unsigned changes = input.take<std::uint8_t>() % 4; changes > 0; --changes) {
     const SupportField& field = kSupportFields[input.take<std::uint8_t>() % kSupportFields.size()];

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/cli/options/accepted_values.hpp"
@@ -45,10 +48,19 @@ ReadAs as_named(const std::string& name) {
   return ReadAs::kAuto;
 }
 
-/// @param name  one of kStandWords
-SupportStand stand_named(const std::string& name) {
-  const auto* const word = std::find(kStandWords.begin(), kStandWords.end(), name);
-  return static_cast<SupportStand>(word - kStandWords.begin());
+/// @param name  one of the words
+std::size_t index_of(std::span<const std::string_view> words, const std::string& name) {
+  return static_cast<std::size_t>(std::find(words.begin(), words.end(), name) - words.begin());
+}
+
+/// "light 0.3, 0.3 and 0.8; medium 0.4, 0.4 and 1; ..."
+std::string preset_figures() {
+  std::string text;
+  for (const SupportPreset& preset : kSupportPresets) {
+    text += (text.empty() ? "" : "; ") + std::string(preset.name) + " " + number(preset.head_front_diameter) + ", " +
+            number(preset.head_penetration) + " and " + number(preset.pillar_diameter);
+  }
+  return text;
 }
 
 /// @returns --printer, which others depend on
@@ -258,11 +270,23 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
       ->check(one_of({"none", "auto"}))
       ->group(kSupportsGroup);
   app.add_option_function<std::string>(
-         "--support-stand", [&choice](const std::string& name) { choice.stand = stand_named(name); },
+         "--support-stand",
+         [&choice](const std::string& name) { choice.stand = static_cast<SupportStand>(index_of(kStandWords, name)); },
          "plate puts any object on the plate, raised lifts any by --support-object-elevation and the raft, auto lifts "
          "those without a flat underside [auto; raised with --support-object-elevation]")
       ->type_name("KIND")
       ->check(one_of({kStandWords.begin(), kStandWords.end()}))
+      ->group(kSupportsGroup);
+  app.add_option_function<std::string>(
+         "--support-preset", [&choice](const std::string& name) { choice.preset = index_of(kPresetWords, name); },
+         "Head front diameter, head penetration and pillar diameter at once, mm, each of which may also be given: " +
+             preset_figures() + " [medium]")
+      ->type_name("KIND")
+      ->check(one_of({kPresetWords.begin(), kPresetWords.end()}))
+      ->group(kSupportsGroup);
+  app.add_flag_function(
+         "--support-buildplate-only", [&choice](std::int64_t count) { choice.buildplate_only = count > 0; },
+         "No support ends on the object: what none reaches from the plate stays without one")
       ->group(kSupportsGroup);
   for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
     const SupportField& field = kSupportFields[i];
@@ -273,6 +297,7 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
     app.add_option(name, choice.values[i], std::string(field.help) + range)
         ->type_name(field.unit == "deg"   ? "DEG"
                     : field.unit == "mm2" ? "MM2"
+                    : field.unit == "%"   ? "PERCENT"
                                           : "MM")
         ->check(number_from(field.low, field.high, field.unit.data()))
         ->group(kSupportsGroup);

@@ -53,6 +53,19 @@ TEST(SupportChoice, TakesTheWordForHowTheObjectStands) {
   EXPECT_THAT(refusal(choice), HasSubstr("support_stand is raised, but support_object_elevation is 0 mm"));
 }
 
+TEST(SupportChoice, OverridesAPresetByWhatIsStated) {
+  SupportSettings profile;
+  profile.pillar_diameter = 2;
+  SupportChoice choice;
+  choice.preset = 2;
+  EXPECT_EQ(chosen(choice, profile).pillar_diameter, 1.3) << "the preset of the job is nearer than the profile";
+  value(choice, "support_head_front_diameter") = 0.5;
+  EXPECT_EQ(chosen(choice, profile).head_front_diameter, 0.5);
+  EXPECT_EQ(chosen(choice, profile).head_penetration, 0.6);
+  choice.buildplate_only = true;
+  EXPECT_TRUE(chosen(choice, profile).buildplate_only);
+}
+
 TEST(SupportChoice, IsRefusedIfSupportsAreOff) {
   SupportChoice choice;
   EXPECT_EQ(*choice.over(false, {}), std::nullopt);

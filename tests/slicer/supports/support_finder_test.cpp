@@ -383,6 +383,45 @@ TEST(Supports, HoldAFlatUndersideThatIsRaised) {
   }
 }
 
+TEST(Supports, AreAsManyAsTheDensitySays) {
+  // The raised underside of a block 20 mm square, in pixels of 0.2 mm.
+  const auto at = [](double percent) {
+    SupportSettings settings;
+    settings.stand = SupportStand::kRaised;
+    settings.points_density_relative = percent;
+    return Supported(cubic_grid(110, 10, 0.2F), blocks({{5, 105, 5, 105, 0, 10}}), settings);
+  };
+  const Supported half = at(50);
+  const Supported normal = at(100);
+  const Supported twice = at(200);
+  const auto tips = [](const Supported& s) { return s.counts.all() + s.counts.unreached; };
+  EXPECT_GE(tips(normal), 400U / 12);
+  EXPECT_NEAR(2.0 * tips(half) / tips(normal), 1, 0.25);
+  EXPECT_NEAR(0.5 * tips(twice) / tips(normal), 1, 0.25);
+  EXPECT_LE(half.hang(), kReach / 2 * std::sqrt(2.0) + kRounded);
+  EXPECT_LE(twice.hang(), kReach / 2 / std::sqrt(2.0) + kRounded);
+}
+
+TEST(Supports, EndOnThePlateOnlyIfAsked) {
+  // Two slabs on a post, which leave no room beside the lower one; the upper one reaches beyond it at one side only.
+  const Inside shape = blocks({{0, 44, 0, 64, 0, 10}, {0, 10, 0, 64, 10, 48}, {0, 64, 0, 64, 40, 48}});
+  SupportSettings settings = on_the_plate();
+  settings.max_bridge_length = 2;
+  const Supported anywhere(shape, settings);
+  EXPECT_GT(anywhere.counts.on_object, 0U);
+  EXPECT_EQ(anywhere.counts.unreached, 0U);
+  settings.buildplate_only = true;
+  const Supported s(shape, settings);
+  EXPECT_EQ(s.counts.on_object, 0U);
+  EXPECT_GT(s.counts.unreached, 0U);
+  EXPECT_GT(s.counts.on_plate, 0U);
+  for (std::size_t k = 10; k < 20; ++k) {
+    for (std::uint32_t r = 0; r < kSide; ++r) {
+      for (std::uint32_t c = 10; c < 44; ++c) EXPECT_FALSE(s.masks[k].at(c, r)) << c << ' ' << r << ' ' << k;
+    }
+  }
+}
+
 TEST(Supports, EndWithTheObjectIfASpeckAboveItIsLeftOut) {
   const Supported s(cubic_grid(kSide, 27), blocks({{10, 54, 10, 54, 0, 20}, {30, 33, 30, 32, 25, 27}}));
   EXPECT_EQ(s.counts.specks, 1U);

@@ -43,6 +43,25 @@ TEST(SupportSettings, AreRefusedUnlessTheyNarrowTowardsTheObject) {
   EXPECT_THAT(refusal(wide_pillar), HasSubstr("support_pillar_diameter is 5 mm, more than support_base_diameter"));
 }
 
+TEST(SupportSettings, AreValidWithEachPresetAndThickerFromOneToTheNext) {
+  SupportSettings thinner;
+  thinner.head_front_diameter = thinner.head_penetration = thinner.pillar_diameter = 0;
+  for (const SupportPreset& preset : kSupportPresets) {
+    SupportSettings settings;
+    apply(preset, settings);
+    EXPECT_EQ(refusal(settings), "") << preset.name;
+    EXPECT_GT(settings.head_front_diameter, thinner.head_front_diameter);
+    EXPECT_GT(settings.head_penetration, thinner.head_penetration);
+    EXPECT_GT(settings.pillar_diameter, thinner.pillar_diameter);
+    thinner = settings;
+  }
+  SupportSettings medium;
+  apply(kSupportPresets[1], medium);
+  EXPECT_EQ(medium.head_front_diameter, SupportSettings().head_front_diameter);
+  EXPECT_EQ(medium.head_penetration, SupportSettings().head_penetration);
+  EXPECT_EQ(medium.pillar_diameter, SupportSettings().pillar_diameter);
+}
+
 TEST(SupportSettings, AreRefusedIfTheyRaiseTheObjectByNothing) {
   SupportSettings settings;
   settings.stand = SupportStand::kRaised;
