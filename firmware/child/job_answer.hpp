@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "firmware/settings/print_fields.hpp"
+#include "firmware/settings/support_choice.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline::firmware {
@@ -14,10 +15,9 @@ struct JobAnswer {
   std::array<std::array<char, 256>, kMostScans> scan{};
   std::uint32_t scans = 0;  ///< how many
   std::array<char, 64> profile{};
-  std::uint32_t units = 0;     ///< a Units
-  std::uint32_t as = 0;        ///< a ReadAs
-  std::uint32_t base = 0;      ///< a BaseChoice
-  std::uint32_t supports = 0;  ///< 0: as the profile has it; 1: no; 2: yes
+  std::uint32_t units = 0;  ///< a Units
+  std::uint32_t as = 0;     ///< a ReadAs
+  std::uint32_t base = 0;   ///< a BaseChoice
   std::uint32_t fit = 0;
   std::uint32_t keep_all = 0;
   std::uint32_t side = 0;  ///< a Side, if size_mm is not 0
@@ -30,6 +30,7 @@ struct JobAnswer {
   std::array<double, 3> rotate_deg{};
   double layer_height = 0;
   PassedValues values;
+  PassedSupports supports;
 };
 
 }  // namespace plumbline::firmware

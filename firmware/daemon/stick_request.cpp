@@ -38,10 +38,11 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   placement.layer_height_mm = static_cast<float>(profile.layer_height);
   placement.printer = printer_volume(daemon.board);
   tell_checks(profile, daemon.machine, request.settings);
-  SupportChoice choice;
-  choice.enable = job.supports;
-  const auto supports = choice.over(profile.supports_enable, profile.supports);
-  PLUMBLINE_TRY(supports);
+  const auto supports = job.supports.over(profile.supports_enable, profile.supports);
+  if (!supports) {
+    Error wrong = supports.error();
+    return tl::unexpected<Error>(wrong.tell(Told(PrinterCode::kSettingValue, {}, "supports")));
+  }
   request.supports = request.settings.supports = *supports;
   if (*supports) placement.room = support_room(**supports);
   if (is_archive_name(scan[0].name())) {

@@ -131,7 +131,7 @@ SettingRow setting_row(std::size_t row, const PrinterRecord& record, Language la
       break;
     case Row::kSupports:
       shown.label = Words::kSupports;
-      say(!job.supports ? Words::kOfProfile : *job.supports ? Words::kYes : Words::kNo);
+      say(!job.supports.enable ? Words::kOfProfile : *job.supports.enable ? Words::kYes : Words::kNo);
       break;
     case Row::kLayerHeight:
       shown.label = Words::kLayerHeight;
@@ -173,7 +173,7 @@ ClientRequest next_value(std::size_t row, const PrinterRecord& record, const Job
     case Row::kUpright: break;
     case Row::kSupports:
       request.key.add("supports");
-      request.value.add("%s", !job.supports ? "auto" : *job.supports ? "none" : "");
+      request.value.add("%s", !job.supports.enable ? "auto" : *job.supports.enable ? "none" : "");
       break;
     case Row::kLayerHeight:
       request.key.add("layer_height");

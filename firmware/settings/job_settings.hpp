@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "firmware/settings/print_fields.hpp"
+#include "firmware/settings/support_choice.hpp"
 #include "slicer/orientation/clean_side.hpp"
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"
@@ -18,9 +19,9 @@ struct JobSettings {
   bool fit = false;
   std::optional<PrintSize> size;  ///< instead of the scale
   double rotate_x_deg = 0, rotate_y_deg = 0, rotate_z_deg = 0;
-  double layer_height = 0;       ///< mm; 0: the profile's
-  PrintValues values;            ///< of fields that can_be_changed(); none: as the profile or the archive has it
-  std::optional<bool> supports;  ///< none: as the profile has it
+  double layer_height = 0;  ///< mm; 0: the profile's
+  PrintValues values;       ///< of fields that can_be_changed(); none: as the profile or the archive has it
+  SupportChoice supports;
   ReadAs as = ReadAs::kAuto;
   BaseChoice base = BaseChoice::kAuto;
   FloorChoice floor;

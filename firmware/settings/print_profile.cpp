@@ -7,11 +7,12 @@
 
 #include "firmware/settings/settings_file.hpp"
 #include "firmware/settings/settings_folders.hpp"
+#include "firmware/settings/support_choice.hpp"
 
 namespace plumbline::firmware::inline settings {
 namespace {
 
-std::vector<SettingRule> rules_for(PrintProfile& p) {
+std::vector<SettingRule> rules_for(PrintProfile& p, SupportChoice& supports) {
   constexpr auto kOptional = Presence::kOptional;
   std::vector<SettingRule> rules = {
       {"profile", "name", TextSetting{&p.name}, 1, 63},
@@ -25,26 +26,14 @@ std::vector<SettingRule> rules_for(PrintProfile& p) {
       {"resin", "bottle_cost", &p.bottle_cost, 0, 100000, "", kOptional},
       {"resin", "bottle_volume", &p.bottle_volume, 1, 100000, " ml", kOptional},
       {"supports", "supports_enable", &p.supports_enable, 0, 0, "", kOptional},
-      {"supports", "support_stand", choice(std::span(kStandWords), p.supports.stand), 0, 0, "", kOptional},
-      {"supports", "support_buildplate_only", &p.supports.buildplate_only, 0, 0, "", kOptional},
-      {"supports", "support_preset",
-       ChoiceSetting{kPresetWords, [&p](std::size_t preset) { apply(kSupportPresets[preset], p.supports); }}, 0, 0, "",
-       kOptional},  // before the keys that override it
   };
   for (const PrintField& field : kPrintFields) {
     if (!field.in_profile) continue;
     SettingRule rule{"print", field.name, &p.layer_height, field.low, field.high, field.unit};
     std::visit([&](auto member) { rule.value = &(p.*member); }, field.member);
-    rules.insert(rules.end() - 4, rule);  // rules of a table stand together
+    rules.insert(rules.end() - 1, rule);  // rules of a table stand together
   }
-  for (const SupportField& field : kSupportFields) {
-    rules.push_back({"supports", field.key, &(p.supports.*field.member), field.low, field.high,
-                     field.unit == "deg"   ? " degrees"
-                     : field.unit == "mm2" ? " mm2"
-                     : field.unit == "%"   ? " %"
-                                           : " mm",
-                     kOptional});
-  }
+  add_support_rules(rules, supports);
   for (std::size_t i = 0; i < kIssueKindCount; ++i) {
     rules.push_back(
         {"checks", kIssueWords[i].key, choice(std::span(kCheckActionWords), p.checks.actions[i]), 0, 0, "", kOptional});
@@ -56,12 +45,14 @@ std::vector<SettingRule> rules_for(PrintProfile& p) {
 
 Expected<PrintProfile> parse_print_profile(std::string_view text, std::string_view path) {
   PrintProfile profile;
-  const auto rules = rules_for(profile);
-  const auto check = [&profile](const SettingRule& rule) -> std::string {
+  SupportChoice choice;
+  choice.stand = profile.supports.stand;  // so that an elevation leaves it to the underside
+  const auto rules = rules_for(profile, choice);
+  const auto check = [&](const SettingRule& rule) -> std::string {
     if (rule.key == "retract_height2" && profile.retract_height2 > profile.lift_height + profile.lift_height2) {
       return "allowed is at most the whole lift, lift_height + lift_height2";
     }
-    const SupportSettings& supports = profile.supports;
+    const SupportSettings supports = choice.put_into({});
     if (rule.key == "support_stand" && supports.stand == SupportStand::kRaised && !(supports.object_elevation > 0)) {
       return "which needs a support_object_elevation";
     }
@@ -78,6 +69,7 @@ Expected<PrintProfile> parse_print_profile(std::string_view text, std::string_vi
     return {};
   };
   PLUMBLINE_TRY(parse_settings(text, path, {"a profile", rules, nullptr, check}));
+  profile.supports = choice.put_into({});
   return profile;
 }
 

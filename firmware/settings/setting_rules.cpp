@@ -1,6 +1,7 @@
 #include "firmware/settings/setting_rules.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 
 #include "firmware/settings/setting_words.hpp"
@@ -35,6 +36,8 @@ std::string allowed(const SettingRule& rule) {
     std::string operator()(const std::uint32_t*) const { return "an integer from " + range + rule.unit; }
     std::string operator()(const double*) const { return "a number from " + range + rule.unit; }
     std::string operator()(const bool*) const { return "true or false"; }
+    std::string operator()(const std::optional<double>*) const { return (*this)(static_cast<const double*>(nullptr)); }
+    std::string operator()(const std::optional<bool>*) const { return (*this)(static_cast<const bool*>(nullptr)); }
     std::string operator()(const ChoiceSetting& choice) const { return "one of the strings " + listed(choice.words); }
     std::string operator()(const NumberChoiceSetting& choice) const {
       return "one of the integers " + listed(choice.numbers) + rule.unit;

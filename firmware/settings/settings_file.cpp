@@ -109,6 +109,8 @@ bool store(const SettingRule& rule, const toml::node& node) {
       if (value) *truth = *value;
       return value.has_value();
     }
+    bool operator()(std::optional<double>* real) const { return (*this)(&real->emplace()); }
+    bool operator()(std::optional<bool>* truth) const { return (*this)(&truth->emplace()); }
     bool operator()(const ChoiceSetting& choice) const {
       const auto value = node.value_exact<std::string_view>();
       const auto word = std::find(choice.words.begin(), choice.words.end(), value.value_or(""));

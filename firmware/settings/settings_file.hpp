@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -54,7 +55,9 @@ struct PathListSetting {
 struct SettingRule {
   std::string_view table;
   std::string_view key;
-  std::variant<TextSetting, PathListSetting, std::uint32_t*, double*, bool*, ChoiceSetting, NumberChoiceSetting> value;
+  std::variant<TextSetting, PathListSetting, std::uint32_t*, double*, bool*, ChoiceSetting, NumberChoiceSetting,
+               std::optional<double>*, std::optional<bool>*>
+      value;
   double low = 0;         ///< least number, or fewest characters of each text; unused for a choice
   double high = 0;        ///< greatest; both are allowed
   const char* unit = "";  ///< for messages, with a leading space

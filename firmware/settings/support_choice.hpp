@@ -3,8 +3,11 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "firmware/settings/settings_file.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/supports/support_settings.hpp"
 
@@ -16,14 +19,31 @@ struct SupportChoice {
   std::optional<SupportStand> stand;  ///< none: as below
   std::optional<bool> buildplate_only;
   std::array<std::optional<double>, kSupportFields.size()> values;  ///< in the order of kSupportFields
-
   bool operator==(const SupportChoice&) const = default;
 
-  /// Applies the choice to a profile. An elevation without a stand raises the object, or puts it on the plate if it is 0 mm.
+  /// The settings with those of the choice put into them. An elevation without a stand raises the object, or puts it on the plate
+  /// if it is 0 mm. They may contradict each other.
+  SupportSettings put_into(SupportSettings settings) const;
+
+  /// Applies the choice to a profile.
   /// @param enabled, settings  of the profile
   /// @returns the settings of the job; none: no supports
   /// @retval ErrorCode::kBadSetting  settings contradict each other, or one is given although supports are off
   [[nodiscard]] Expected<std::optional<SupportSettings>> over(bool enabled, SupportSettings settings) const;
 };
+
+/// The rules of a file's [supports], all optional. `choice` is where they store what the file has, except `enable`.
+void add_support_rules(std::vector<SettingRule>& rules, SupportChoice& choice);
+
+/// A choice as plain numbers, from a process that is not trusted.
+struct PassedSupports {
+  std::array<std::uint32_t, 4>
+      words{};  ///< enable, preset, stand, buildplate_only: 0: not said, else 1 more than the value
+  std::array<std::uint32_t, kSupportFields.size()> has{};  ///< 1: there is one
+  std::array<double, kSupportFields.size()> value{};
+};
+PassedSupports pass(const SupportChoice& choice);
+/// @returns false: a value is impossible
+bool receive(const PassedSupports& passed, SupportChoice& choice);
 
 }  // namespace plumbline::firmware::inline settings

@@ -1,6 +1,7 @@
 #include "firmware/setup/board_draft.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 #include <vector>
 
@@ -26,6 +27,8 @@ std::string shown(const SettingRule& rule) {
     std::string operator()(const std::uint32_t* integer) const { return std::to_string(*integer); }
     std::string operator()(const double* real) const { return number(*real); }
     std::string operator()(const bool* truth) const { return *truth ? "true" : "false"; }
+    std::string operator()(const std::optional<double>* real) const { return *real ? number(**real) : ""; }
+    std::string operator()(const std::optional<bool>* truth) const { return *truth ? (*this)(&**truth) : ""; }
     std::string operator()(const ChoiceSetting& choice) const { return std::string(choice.words[choice.load()]); }
     std::string operator()(const NumberChoiceSetting& choice) const { return std::to_string(*choice.value); }
   };

@@ -109,6 +109,18 @@ constexpr JsonField<StoredRecord> kStoredFields[] = {{"name", member<&StoredReco
 
 constexpr JsonField<PrintSize> kSizeFields[] = {{"side", member<&PrintSize::side>}, {"mm", member<&PrintSize::mm>}};
 
+void write_supports(JsonWriter& json, const SupportChoice& choice) {
+  json.member("supports", mapped(choice.enable, [](bool wanted) { return wanted ? "auto" : "none"; }));
+  json.begin_object("support_values", kOneLine);
+  if (choice.preset) json.member("support_preset", kPresetWords[*choice.preset]);
+  if (choice.stand) json.member("support_stand", kStandWords[static_cast<std::size_t>(*choice.stand)]);
+  if (choice.buildplate_only) json.member("support_buildplate_only", *choice.buildplate_only);
+  for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
+    if (choice.values[i]) json.member(kSupportFields[i].key, *choice.values[i]);
+  }
+  json.end_object();
+}
+
 void write_job(JsonWriter& json, const PrinterRecord& record) {
   if (!record.job) return json.null();
   const JobRecord& job = *record.job;
@@ -136,7 +148,7 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.member("rotate_y_deg", job.rotate_y_deg);
   json.member("rotate_z_deg", job.rotate_z_deg);
   json.member("layer_height", only_if(job.layer_height > 0, job.layer_height));
-  json.member("supports", mapped(job.supports, [](bool wanted) { return wanted ? "auto" : "none"; }));
+  write_supports(json, job.supports);
   json.member("proposal", mapped(record.proposal(), [](auto i) { return static_cast<std::uint32_t>(i); }));
   json.member("as", job.as);
   json.member("base", job.base);

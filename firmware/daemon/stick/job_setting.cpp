@@ -4,7 +4,9 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <type_traits>
 
+#include "firmware/io/text/fixed_text.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_length.hpp"
@@ -62,6 +64,42 @@ std::optional<std::size_t> index_of(std::span<const std::string_view> words, std
   return static_cast<std::size_t>(found - words.begin());
 }
 
+/// Sets a key of [supports]; an empty value takes it back.
+/// @returns none: no such key
+std::optional<Status> set_support(SupportChoice& choice, std::string_view key, std::string_view value) {
+  for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
+    const SupportField& field = kSupportFields[i];
+    if (field.key != key) continue;
+    const auto number = to_number<double>(value);
+    if (!value.empty() && !(number && *number >= field.low && *number <= field.high)) {
+      FixedText<96> allowed;
+      allowed.add("%g to %g %s, or \"\" for the profile's", field.low, field.high, field.unit.data());
+      return refused(key, value, allowed.c_str());
+    }
+    choice.values[i] = number;
+    return Status();
+  }
+  const auto put = [&](std::span<const std::string_view> words, const char* allowed, auto& to) -> Status {
+    const auto word = index_of(words, value);
+    if (!word && !value.empty()) return refused(key, value, allowed);
+    to.reset();
+    if (word) to = static_cast<typename std::decay_t<decltype(to)>::value_type>(*word);
+    return {};
+  };
+  constexpr std::array<std::string_view, 2> kTruthWords = {"false", "true"};
+  if (key == "supports") return put(kSupportWords, "none or auto, or \"\" for the profile's", choice.enable);
+  if (key == "support_preset") {
+    return put(kPresetWords, "light, medium or heavy, or \"\" for the profile's", choice.preset);
+  }
+  if (key == "support_stand") {
+    return put(kStandWords, "auto, plate or raised, or \"\" for the profile's", choice.stand);
+  }
+  if (key == "support_buildplate_only") {
+    return put(kTruthWords, "true or false, or \"\" for the profile's", choice.buildplate_only);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Status set_job_setting(StickJob& job, std::string_view key, std::string_view value) {
@@ -108,12 +146,7 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
     job.base = static_cast<BaseChoice>(*word);
     return {};
   }
-  if (key == "supports") {
-    const auto word = index_of(kSupportWords, value);
-    if (!word && !value.empty()) return refused(key, value, "none or auto, or \"\" for the profile's");
-    job.supports = word ? std::optional(*word == 1) : std::nullopt;
-    return {};
-  }
+  if (const auto set = set_support(job.supports, key, value)) return *set;
   if (const auto side = side_of(key)) {
     const auto mm = parse_length(value);
     if (!mm) return refused(key, value, kLengthForm);
@@ -143,13 +176,12 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
   }
   return telling(
       Told(PrinterCode::kSettingUnknown, {}, key),
-      fail(
-          ErrorCode::kBadSetting,
-          "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, width, depth, height, length, floor, "
-          "orient, keep_clean, rotate_x_deg, "
-          "rotate_y_deg, rotate_z_deg, layer_height, supports, as, base, keep_all, and exposures, lifts and waits as a "
-          "profile names them",
-          static_cast<int>(key.size()), key.data()));
+      fail(ErrorCode::kBadSetting,
+           "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, width, depth, height, length, floor, "
+           "orient, keep_clean, rotate_x_deg, "
+           "rotate_y_deg, rotate_z_deg, layer_height, supports, as, base, keep_all, and supports, exposures, lifts and "
+           "waits as a profile names them",
+           static_cast<int>(key.size()), key.data()));
 }
 
 }  // namespace plumbline::firmware

@@ -20,14 +20,8 @@ constexpr std::array<std::string_view, 4> kSizeWords = {"width", "depth", "heigh
 struct JobTexts {
   std::array<std::string, kSizeWords.size()> sizes;
   std::string floor;
-  // Of print settings, where the file has them.
-  static constexpr double kNotSaid = -1;
-  std::array<double, kPrintKeyCount> numbers;
-  std::array<std::uint32_t, kPrintKeyCount> counts;
-  JobTexts() {
-    numbers.fill(kNotSaid);
-    counts.fill(UINT32_MAX);
-  }
+  std::array<std::uint32_t, kPrintKeyCount> counts;  ///< of print settings, where the file has them
+  JobTexts() { counts.fill(UINT32_MAX); }
 };
 static_assert(static_cast<int>(Side::kWidth) == 0 && static_cast<int>(Side::kLength) == 3);
 
@@ -36,8 +30,8 @@ std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
   std::vector<SettingRule> rules = {
       {"job", "scan", PathListSetting{&job.scans, kMostScans}, 1, 255},
       {"job", "profile", TextSetting{&job.profile}, 1, 63, "", kOptional},
-      {"job", "supports", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.supports = word == 1; }}, 0, 0,
-       "", kOptional},
+      {"job", "supports", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.supports.enable = word == 1; }},
+       0, 0, "", kOptional},
       {"job", "as", choice(kAsWords, job.as), 0, 0, "", kOptional},
       {"job", "base", choice(kBaseWords, job.base), 0, 0, "", kOptional},
       {"job", "floor", TextSetting{&texts.floor, TextKind::kPath}, 1, 32, "", kOptional},
@@ -60,12 +54,11 @@ std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
   for (const PrintField& field : kPrintFields) {
     if (!field.can_be_changed()) continue;
     const std::size_t i = index_of(field.key);
-    if (field.is_whole()) {
-      rules.push_back({"print", field.name, &texts.counts[i], field.low, field.high, field.unit, kOptional});
-    } else {
-      rules.push_back({"print", field.name, &texts.numbers[i], field.low, field.high, field.unit, kOptional});
-    }
+    SettingRule& rule = rules.emplace_back();
+    rule = {"print", field.name, &job.values[i], field.low, field.high, field.unit, kOptional};
+    if (field.is_whole()) rule.value = &texts.counts[i];
   }
+  add_support_rules(rules, job.supports);
   return rules;
 }
 
@@ -111,7 +104,6 @@ Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path)
   const auto parsed = parse_settings(text, path, {"a job file", rules, nullptr, check});
   if (!parsed) return tl::unexpected<Error>(as_setting_error(parsed.error()));
   for (std::size_t i = 0; i < kPrintKeyCount; ++i) {
-    if (texts.numbers[i] >= 0) job.values[i] = texts.numbers[i];
     if (texts.counts[i] != UINT32_MAX) job.values[i] = texts.counts[i];
   }
   return job;

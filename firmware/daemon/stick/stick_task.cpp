@@ -41,7 +41,6 @@ void hand_back(const StickJob& job, ScanAnswer& answer) {
   fields.units = static_cast<std::uint32_t>(job.units);
   fields.as = static_cast<std::uint32_t>(job.as);
   fields.base = static_cast<std::uint32_t>(job.base);
-  fields.supports = !job.supports ? 0 : *job.supports ? 2 : 1;
   fields.fit = job.fit ? 1 : 0;
   fields.keep_all = job.keep_all ? 1 : 0;
   if (job.size) {
@@ -56,6 +55,7 @@ void hand_back(const StickJob& job, ScanAnswer& answer) {
   fields.rotate_deg = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
   fields.layer_height = job.layer_height;
   fields.values = pass(job.values);
+  fields.supports = pass(job.supports);
   answer.kind = ScanAnswer::kJob;
 }
 
@@ -97,16 +97,15 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
                                   [](double degrees) { return is_within(degrees, -360, 360); });
   const bool choices = fields.units <= static_cast<std::uint32_t>(Units::kAuto) &&
                        fields.as <= static_cast<std::uint32_t>(ReadAs::kMesh) &&
-                       fields.base <= static_cast<std::uint32_t>(BaseChoice::kFlat) && fields.supports <= 2 &&
-                       fields.fit <= 1 && fields.keep_all <= 1 &&
-                       fields.side <= static_cast<std::uint32_t>(Side::kLength) && fields.orient <= 1 &&
-                       fields.keep_clean < kCleanSideWords.size() &&
+                       fields.base <= static_cast<std::uint32_t>(BaseChoice::kFlat) && fields.fit <= 1 &&
+                       fields.keep_all <= 1 && fields.side <= static_cast<std::uint32_t>(Side::kLength) &&
+                       fields.orient <= 1 && fields.keep_clean < kCleanSideWords.size() &&
                        fields.floor <= static_cast<std::uint32_t>(FloorChoice::Kind::kHeight);
   const bool lengths = (fields.size_mm == 0 || is_within(fields.size_mm, kSmallestSizeMm, kLargestSizeMm)) &&
                        is_within(fields.floor_height, -kLargestFloorHeight, kLargestFloorHeight) &&
                        is_within(fields.scale, kSmallestScale, kLargestScale) &&
                        (fields.layer_height == 0 || is_within(fields.layer_height, kFinestMm, kCoarsestMm));
-  const bool values = receive(fields.values, job.values) == nullptr;
+  const bool values = receive(fields.values, job.values) == nullptr && receive(fields.supports, job.supports);
   if (answer.kind != ScanAnswer::kJob || !values || !named || !is_setting_name(job.profile) || !angles || !choices ||
       !lengths) {
     return fail(ErrorCode::kBadSetting, "what was read of it does not add up");
@@ -114,7 +113,6 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
   job.units = static_cast<Units>(fields.units);
   job.as = static_cast<ReadAs>(fields.as);
   job.base = static_cast<BaseChoice>(fields.base);
-  if (fields.supports > 0) job.supports = fields.supports == 2;
   job.fit = fields.fit == 1;
   job.keep_all = fields.keep_all == 1;
   job.orient = fields.orient == 1;

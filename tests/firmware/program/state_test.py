@@ -41,6 +41,7 @@ class State(StatePrinter):
         user.until(lambda s: s["job"]["scan"] == "b.ply" and s["job"]["number"] == 2, "b.ply")
         for key, value, words in (("scale", 0, "allowed is 1e-6"), ("scael", 1, "unknown setting"), ("profile", "thicc", "no profile"),
                                   ("units", "furlong", "mm, cm"), ("fit", 1, "true or false"), ("supports", "some", "none or auto"),
+                                  ("support_stand", "up", "auto, plate or raised"), ("support_pillar_diameter", 11, "0.2 to 10 mm"),
                                   ("height", "tall", "a length from 1 mm"), ("floor", "deep", "auto, keep"), ("orient", "up", "none or auto"),
                                   ("keep_clean", "face", "none, +x, -x")):
             user.refused(words, "set", key=key, value=value)
@@ -49,6 +50,12 @@ class State(StatePrinter):
         job = user.until(lambda s: s["job"]["orient"] == "auto", "a size")["job"]
         self.assertEqual((job["size"], job["floor"], job["keep_clean"], job["scale"]), ({"side": "height", "mm": 20}, -3.5, "-y", 1))
         user.do("set", key="floor", value="auto")
+        for key, value in (("support_stand", "raised"), ("support_buildplate_only", True), ("support_object_elevation", 3)):
+            user.do("set", key=key, value=value)
+        user.do("set", key="support_buildplate_only", value="")
+        user.until(lambda s: s["job"]["support_values"] == {"support_stand": "raised", "support_object_elevation": 3}, "supports")
+        for key in ("support_stand", "support_object_elevation"):
+            user.do("set", key=key, value="")
         # A scale takes the place of a size, and a rotation that of the best way up.
         for key, value in (("scale", 0.5), ("profile", "draft"), ("supports", "none"), ("layer_height", 0.1), ("keep_all", True),
                            ("rotate_z_deg", -90), ("base", "none"), ("units", "mm"), ("fit", "false")):

@@ -343,7 +343,7 @@ TEST(ScreenServer, BringsEachSettingBackAfterAWhile) {
   EXPECT_EQ(next(2), "0");
   job.rotate_x_deg = 270;
   EXPECT_EQ(next(3), "0");
-  job.supports = false;
+  job.supports.enable = false;
   EXPECT_EQ(next(5), "");
   job.layer_height = 0.1;
   EXPECT_EQ(next(6), "");

@@ -472,7 +472,7 @@ TEST(Screens, EachValueOfASettingFits) {
         job.size = PrintSize{Side::kHeight, 20.5 + turns};
         job.rotate_z_deg = job.rotate_x_deg = 90 * (turns % 4);
         job.orient = turns % 2 == 1;
-        job.supports = turns % 3 == 0 ? std::nullopt : std::optional(turns % 3 == 1);
+        job.supports.enable = turns % 3 == 0 ? std::nullopt : std::optional(turns % 3 == 1);
         job.layer_height = turns % 2 == 1 ? 0.025 : 0;
         if (turns > 7) job.orient = false, job.rotate_x_deg = -359.9, job.rotate_y_deg = -359.9;
         if (turns == 11) job.size.reset(), job.scale = 1234.567;

@@ -26,7 +26,7 @@ TEST(StickJob, HasEveryKeyThatItsFileHas) {
   ASSERT_TRUE(job) << job.error().message();
   EXPECT_THAT(job->scans, ElementsAre("a b.ply"));
   EXPECT_EQ(job->profile, "draft");
-  EXPECT_EQ(job->supports, true);
+  EXPECT_EQ(job->supports.enable, true);
   EXPECT_EQ(job->base, BaseChoice::kFlat);
   EXPECT_TRUE(job->keep_all);
   EXPECT_EQ(job->units, Units::kInches);
@@ -36,6 +36,23 @@ TEST(StickJob, HasEveryKeyThatItsFileHas) {
   EXPECT_DOUBLE_EQ(job->rotate_y_deg, -2);
   EXPECT_DOUBLE_EQ(job->rotate_z_deg, 3);
   EXPECT_DOUBLE_EQ(job->layer_height, 0.1);
+}
+
+TEST(StickJob, TakesSupportsAsAProfileDoes) {
+  const auto job = parse_stick_job(
+      "[job]\nscan = 'a.ply'\n[supports]\nsupport_preset = 'heavy'\nsupport_buildplate_only = true\n"
+      "support_head_penetration = 0.2\nsupport_object_elevation = 3\n",
+      "job.toml");
+  ASSERT_TRUE(job) << job.error().message();
+  const auto settings = job->supports.over(true, {});
+  ASSERT_TRUE(settings) << settings.error().message();
+  EXPECT_EQ((*settings)->head_front_diameter, 0.6);
+  EXPECT_EQ((*settings)->head_penetration, 0.2) << "overrides the preset";
+  EXPECT_TRUE((*settings)->buildplate_only);
+  EXPECT_EQ((*settings)->stand, SupportStand::kRaised) << "since the file states an elevation";
+  const auto wrong = parse_stick_job("[job]\nscan = 'a.ply'\n[supports]\nsupport_stand = 'up'\n", "job.toml");
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.error().message(), HasSubstr("allowed is one of the strings auto, plate or raised"));
 }
 
 TEST(StickJob, TakesSeveralFilesAsOneScan) {
@@ -92,7 +109,7 @@ TEST(StickJob, TakesAFloorAndAnOrientation) {
 TEST(StickJob, LeavesOpenWhatItsFileDoesNotSay) {
   const auto job = parse_stick_job("[job]\nscan = 'a.ply'\n", "job.toml");
   ASSERT_TRUE(job) << job.error().message();
-  EXPECT_FALSE(job->supports);
+  EXPECT_EQ(job->supports, SupportChoice());
   EXPECT_EQ(job->base, BaseChoice::kAuto);
   EXPECT_FALSE(job->keep_all);
   EXPECT_EQ(job->layer_height, 0);

@@ -38,6 +38,8 @@ TEST_F(StickTask, ReadsAJobFileAsThisProcessDoes) {
       "units = 'in'\nscale = 1.5\nfit = true\nrotate_x_deg = -90\nrotate_y_deg = 1e-3\nrotate_z_deg = 360\n"
       "layer_height = 0.05\n",
       "[job]\nscan = 'a.ply'\nsupports = 'none'\nbase = 'flat'\n",
+      "[job]\nscan = 'a.ply'\n[supports]\nsupport_preset = 'heavy'\nsupport_stand = 'raised'\n"
+      "support_buildplate_only = false\nsupport_object_elevation = 3\n",
       "[job]\nscan = 'a.ply'\n[placement]\nheight = '8 cm'\norient = 'auto'\nkeep_clean = '+z'\n",
       "[job]\nscan = 'a.ply'\nfloor = 'keep'\n",
       "[job]\nscan = 'a.ply'\nfloor = '-3.5'\n",
@@ -77,7 +79,10 @@ TEST_F(StickTask, BelievesNoFieldOutOfRange) {
       [](JobAnswer& job) { job.profile[0] = '/'; },
       [](JobAnswer& job) { job.units = 5; },
       [](JobAnswer& job) { job.base = 3; },
-      [](JobAnswer& job) { job.supports = 3; },
+      [](JobAnswer& job) { job.supports.words[0] = 3; },
+      [](JobAnswer& job) { job.supports.words[1] = 4; },
+      [](JobAnswer& job) { job.supports.words[2] = 4; },
+      [](JobAnswer& job) { job.supports.has[0] = 1, job.supports.value[0] = kNaN; },
       [](JobAnswer& job) { job.fit = 2; },
       [](JobAnswer& job) { job.keep_all = 256; },
       [](JobAnswer& job) { job.scale = 0; },
