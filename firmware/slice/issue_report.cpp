@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
@@ -56,12 +57,18 @@ void for_each_found(const StackFindings& findings, Visit visit) {
   }
 }
 
-/// Numbers of the kinds that were found and that matter.
+/// Numbers of the kinds that were found and that matter, as far as there is room for them.
 template <class Matters>
 Sentence counts_of(const StackFindings& findings, Matters matters) {
+  constexpr std::size_t kMost = 350;  // with one more kind and the layers too fine to check it fits
   Sentence text;
+  bool all = true;
   for_each_found(findings, [&](IssueKind kind, const IssueGroup& group) {
     if (!matters(kind)) return;
+    if (text.view().size() > kMost) {
+      if (std::exchange(all, false)) text.add(", other issues");
+      return;
+    }
     const std::string_view name = group.told() == 1 ? words_of(kind).one : words_of(kind).many;
     text.add("%s%u %.*s", text.view().empty() ? "" : ", ", group.told(), static_cast<int>(name.size()), name.data());
   });
