@@ -14,4 +14,6 @@ alignas(plumbline::Arena::kAlignment) std::byte arena_block[kArenaBytes];
 
 }  // namespace
 
-int main(int argc, char** argv) { return static_cast<int>(plumbline::firmware::run_command_line(argc, argv, arena_block)); }
+int main(int argc, char** argv) {
+  return static_cast<int>(plumbline::firmware::run_command_line(argc, argv, arena_block));
+}

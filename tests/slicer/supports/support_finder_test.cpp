@@ -21,8 +21,8 @@ using namespace testing;
 using ::testing::HasSubstr;
 
 // With the default settings, in pixels of 0.1 mm.
-constexpr double kReach = 19.5;  ///< of a tip: sqrt(support_area_per_tip / pi)
-constexpr double kRounded = 6;   ///< the growth lags by up to 4 pixels; the rest is rounding
+constexpr double kReach = 19.5;   ///< of a tip: sqrt(support_area_per_tip / pi)
+constexpr double kRounded = 6;    ///< the growth lags by up to 4 pixels; the rest is rounding
 constexpr double kGrowth = 1.43;  ///< of held area in a layer: 1 / tan(support_overhang_angle)
 constexpr std::uint32_t kSide = 64;
 
