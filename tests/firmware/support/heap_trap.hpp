@@ -2,7 +2,7 @@
 /// Counts every allocation while it is armed.
 ///
 /// The program's own malloc and relatives replace the C library's for everything linked into it. An allocation is
-/// the simulated machine's when a member of a plumbline::Sim... class is on the stack.
+/// the simulated machine's when a function of plumbline::hal::sim is on the stack.
 
 #include <cstddef>
 

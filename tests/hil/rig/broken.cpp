@@ -35,9 +35,9 @@ bool broken_by(std::string_view fault) {
 
 }  // namespace
 
-Status flip(KmsPanel* panel) asm("__real__ZN9plumbline8KmsPanel4flipEv");
+Status flip(KmsPanel* panel) asm("__real__ZN9plumbline3hal11linux_board8KmsPanel4flipEv");
 
-Status broken_flip(KmsPanel* panel) asm("__wrap__ZN9plumbline8KmsPanel4flipEv");
+Status broken_flip(KmsPanel* panel) asm("__wrap__ZN9plumbline3hal11linux_board8KmsPanel4flipEv");
 Status broken_flip(KmsPanel* panel) {
   const auto back = panel->back();
   if (!back) return tl::unexpected<Error>(back.error());
