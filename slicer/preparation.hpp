@@ -46,7 +46,8 @@ struct PreparedScan : ReadScan {
 [[nodiscard]] Expected<ReadScan> read_points(ScanSources sources, const SliceSettings& settings,
                                              const StageContext& job, PreparationReport& report);
 
-/// Sides of the figure as it came, scan units: before the rotation asked for or found, but down to the floor that was cut off, and level.
+/// Sides of the figure as it came, scan units: before any rotation that was asked for or found, but levelled, and down to the floor that
+/// was cut off.
 /// @param settings  of prepare()
 /// @param turned    PreparationReport::turned
 /// @returns none: it has not been turned

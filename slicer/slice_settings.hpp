@@ -22,7 +22,7 @@ struct SliceSettings {
   FloorChoice floor;
   bool orient = false;                      ///< turn the scan the best way up; placement.rotation_degrees must be 0
   CleanSide keep_clean = CleanSide::kNone;  ///< supports' scars there cost much more when the way up is chosen
-  std::optional<SupportSettings> supports;  ///< of the print: for the choice of the way up only; none: it has none
+  std::optional<SupportSettings> supports;  ///< of the print, for whoever adds them, and for the choice of the way up
   bool confidence = false;                  ///< keep a map of the evidence for each part of the surface
   bool keep_all = false;                    ///< keep stray pieces and small components too
   PeelSettings peel;                        ///< of the resin: for the checks of the masks only

@@ -48,7 +48,7 @@ void finish_findings(StackFindings& findings, const SupportCounts& counts, const
   const auto add = [&](IssueKind kind, const UnreachedTips& unreached) {
     if (unreached.count == 0) return;
     const Tip& tip = unreached.largest;
-    const std::uint64_t load = std::max(tip.load, 1U);  // what its head would have held is not in it
+    const std::uint64_t load = std::max(tip.load, 1U);  // the load leaves out what the tip itself would hold
     IssueGroup& group = findings.of(kind);
     group.add({kind, tip.layer, tip.layer, tip.layer, tip.column, tip.row, load, load});
     group.count = unreached.count;

@@ -21,7 +21,7 @@ struct WayUp {
   OrientationCost cost;                ///< unit of the cloud; the total has the supports that were found as well
   double unit_mm = 1;                  ///< mm of the print in the unit of the cloud
   double height_mm = 0;                ///< of the object
-  std::uint32_t layers = 0;            ///< of the print, with the lift
+  std::uint32_t layers = 0;            ///< of the print, with the elevation
   /// Of the supports that a print would have, on the coarse model.
   struct Supports {
     std::uint32_t tips = 0;
@@ -38,11 +38,11 @@ using PrintedWays = std::array<WayUp, 1 + kBestOrientations>;
 /// The one that costs least: the scan as it came if none is better.
 const WayUp& cheapest(const PrintedWays& ways);
 
-/// Finds them. All are of one size, that of the figure as it came; only with PlacementSettings::fit each is as large as it fits.
-/// The supports of each are counted at some hundred voxels along the longest side, in which walls thinner than one are lost: on a desktop all five take two seconds of CPU time.
+/// Finds them. All have the size of the figure as it came; only with PlacementSettings::fit each is as large as fits. Supports are counted
+/// on a model of 128 voxels along the longest side (coarse_model.hpp), which loses thinner walls. All five take some three seconds of CPU time on a desktop.
 /// @param cloud     of the scan as it came, with normals: tells sizes more exactly than the samples
 /// @param samples   of `cloud`
-/// @param settings  placement: that of the print, with the unit that the format fixes; of the rotation, only that about z counts. keep_clean, supports
+/// @param settings  of the print: placement, with the unit that the format fixes and only the rotation about z; keep_clean; supports
 /// @retval ErrorCode::kCancelled  progress said so
 [[nodiscard]] Expected<PrintedWays> find_ways_up(const Cloud& cloud, const SurfaceSamples& samples,
                                                  const SliceSettings& settings, Arena& arena,

@@ -131,7 +131,7 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
   if (!is_rrep(sliced.rrep)) return wrong("crossings");
 
   if (answer.supports > 0) {
-    if (!request.supports || answer.supports > most_struts(grid)) return wrong("number of supports");
+    if (!request.settings.supports || answer.supports > most_struts(grid)) return wrong("number of supports");
     sliced.supports = {.list = part_of<Strut>(*result, answer.supports_at, answer.supports), .pitch = PixelPitch(grid)};
     if (sliced.supports.list.size() != answer.supports) return wrong("place of the supports");
     if (!are_supports(sliced.supports.list, grid)) return wrong("supports");

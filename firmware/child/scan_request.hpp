@@ -45,7 +45,6 @@ struct ScanRequest {
   std::array<RequestedFile, kMostScans> file;
   std::uint32_t file_count = 0;
   SliceSettings settings;  ///< with a printer
-  std::optional<SupportSettings> supports;
   ArchiveRequest archive;
 
   /// @pre file_count < kMostScans

@@ -128,7 +128,7 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
     return;
   }
   SliceReport report;
-  const auto sliced = slice_for_print(sources, page.request.settings, page.request.supports, arena, &progress, report);
+  const auto sliced = slice_for_print(sources, page.request.settings, arena, &progress, report);
   if (sliced) {
     hand_back(*sliced, report, arena, page.answer, memory.arena());
     // If the arena has no room for them, the job has no pictures.

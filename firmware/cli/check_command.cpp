@@ -127,7 +127,7 @@ Expected<CheckedMasks> check_scan(const CheckOptions& options, const JobSetup& s
   const SliceSettings settings = slice_settings(setup, *supports);
   start_threads(setup.threads);
   SliceReport report;
-  const auto sliced = slice_for_print(scan->sources(), settings, *supports, arena, &terminal.progress(), report);
+  const auto sliced = slice_for_print(scan->sources(), settings, arena, &terminal.progress(), report);
   PLUMBLINE_TRY(sliced);
   CheckedMasks checked{scan->title(), sliced->rrep.grid, sliced->findings, {}};
   PLUMBLINE_TRY(write_issues_file(options.picture, checked, sliced->rrep, sliced->supports, arena));

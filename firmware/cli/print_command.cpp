@@ -166,7 +166,7 @@ Status accept_doubts(const Contract& contract, const std::string& name, const Pr
   return fail(ErrorCode::kBadSetting, "%s.\t%s", all.c_str(), advice.c_str());
 }
 
-/// Says what the checks have found in the masks, and draws it if asked to.
+/// Reports what the checks found in the masks, and draws it if asked.
 void tell_issues(const PrintOptions& options, const std::string& name, const StackFindings& findings,
                  const PrintGrid& grid, const RRep& rrep, const Supports& supports, const CheckPolicy& policy,
                  TerminalJob& terminal) {
@@ -218,8 +218,8 @@ Expected<Printable> slice_scan(const PrintOptions& options, const JobSetup& setu
   PLUMBLINE_TRY(scan);
   SliceSettings settings = slice_settings(setup, *supports);
   tell_checks(printer.profile, printer.machine, settings);
-  auto printable = slice_printable(scan->sources(), settings, *supports, printer.profile, printer.machine,
-                                   terminal.arena(), &terminal.progress());
+  auto printable = slice_printable(scan->sources(), settings, printer.profile, printer.machine, terminal.arena(),
+                                   &terminal.progress());
   PLUMBLINE_TRY(printable);
   PLUMBLINE_TRY(accept_doubts(printable->facts.contract, scan->title(), options, terminal));
   for_each_remark(printable->slice,

@@ -120,8 +120,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   }
   settings.printer_name = setup->printer_name;
   settings.preview = options.preview;
-  settings.supports = *options.supports.over(true, {});  // checked when the arguments were parsed
-  settings.slice = slice_settings(*setup, settings.supports);
+  settings.slice = slice_settings(*setup, *options.supports.over(true, {}));  // checked when the arguments were parsed
   settings.checks = options.checks.over(checks_of(setup->board));
   TerminalJob terminal(options.job, *setup, arena_block);
   auto job = SliceJob::prepare(settings, terminal.arena());

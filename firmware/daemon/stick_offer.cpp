@@ -185,7 +185,7 @@ Status StickOffer::set(std::string_view key, std::string_view value) {
   } else {
     PLUMBLINE_TRY(set_job_setting(job_, key, value));
   }
-  // Their figures are those of one size, of layers and supports.
+  // Their figures hold for one size, layer height and choice of supports.
   const bool same = before.units == job_.units && before.as == job_.as && before.scale == job_.scale &&
                     before.fit == job_.fit && before.size == job_.size && before.keep_clean == job_.keep_clean &&
                     before.supports == job_.supports && before.layer_height == job_.layer_height && key != "profile" &&

@@ -43,7 +43,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
     Error wrong = supports.error();
     return tl::unexpected<Error>(wrong.tell(Told(PrinterCode::kSettingValue, {}, "supports")));
   }
-  request.supports = request.settings.supports = *supports;
+  request.settings.supports = *supports;
   if (*supports) placement.room = support_room(**supports);
   if (is_archive_name(scan[0].name())) {
     JobSettings settings = job;
@@ -58,7 +58,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
                           job.title().c_str()));
     }
     request.archive.ask = ArchiveRequest::Ask::kCheck;
-    request.supports.reset();
+    request.settings.supports.reset();
   }
   PLUMBLINE_TRY(plan_print(profile, daemon.machine, static_cast<double>(placement.layer_height_mm), 1));
   return request;

@@ -18,7 +18,6 @@ namespace {
 
 constexpr const char* kStage = "orientation picture";
 constexpr std::array<Rgb, 2> kColours{{{222, 222, 212}, {232, 150, 56}}};  // surface, needs supports
-constexpr float kSteep = 0.70710678F;                                      ///< cosine of 45 degrees
 constexpr std::uint32_t kColumns = 350, kRows = 560;                       ///< pixels of a view
 constexpr std::uint32_t kStep = 372;                                       ///< from one view to the next
 constexpr std::int64_t kLeft = 58, kFloor = 670;
@@ -88,8 +87,8 @@ void draw_points(const Cloud& cloud, std::uint32_t step, float spacing, const Ma
 /// What needs supports is the second material.
 void draw_view(const Cloud& cloud, std::uint32_t step, float spacing, const std::array<double, 2>& degrees,
                const ScanSight& sight, const MapMemory& memory) {
-  const auto is_steep = [](const Vec3d& normal) { return normal[2] < -static_cast<double>(kSteep); };
-  draw_points(cloud, step, spacing, rotation_matrix({degrees[0], degrees[1], 0}), sight, memory, is_steep);
+  const auto needs_support = [](const Vec3d& normal) { return normal[2] < -static_cast<double>(kNeedsSupport); };
+  draw_points(cloud, step, spacing, rotation_matrix({degrees[0], degrees[1], 0}), sight, memory, needs_support);
 }
 
 /// What the small pictures of one cloud share.

@@ -16,13 +16,13 @@ namespace plumbline::firmware::inline settings {
 struct SupportChoice {
   std::optional<bool> enable;         ///< none: as in the profile
   std::optional<std::size_t> preset;  ///< of kSupportPresets; `values` override it
-  std::optional<SupportStand> stand;  ///< none: as below
+  std::optional<SupportStand> stand;  ///< none: see put_into()
   std::optional<bool> buildplate_only;
   std::array<std::optional<double>, kSupportFields.size()> values;  ///< in the order of kSupportFields
   bool operator==(const SupportChoice&) const = default;
 
-  /// The settings with those of the choice put into them. An elevation without a stand raises the object, or puts it on the plate
-  /// if it is 0 mm. They may contradict each other.
+  /// `settings` with what was chosen instead. A chosen elevation without a chosen stand raises the object, or puts it on the plate if it
+  /// is 0 mm. The result may contradict itself: over() checks that.
   SupportSettings put_into(SupportSettings settings) const;
 
   /// Applies the choice to a profile.
@@ -32,7 +32,7 @@ struct SupportChoice {
   [[nodiscard]] Expected<std::optional<SupportSettings>> over(bool enabled, SupportSettings settings) const;
 };
 
-/// The rules of a file's [supports], all optional. `choice` is where they store what the file has, except `enable`.
+/// Rules for the keys of [supports] in a file, all optional; they store into `choice`. supports_enable is not among them.
 void add_support_rules(std::vector<SettingRule>& rules, SupportChoice& choice);
 
 /// A choice as plain numbers, from a process that is not trusted.

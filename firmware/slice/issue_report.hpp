@@ -19,7 +19,7 @@ namespace plumbline::firmware {
 /// The limits for a job. With a printer its panel has an edge and its Z stage a travel.
 CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel, double overcure_mm,
                          OverhangRule overhangs = OverhangRule::kEroded);
-/// The rule for masks of our own: what the finder has put supports below has been dealt with.
+/// The overhang rule for masks of our own. With supports, overhangs are held or told as not reached.
 inline OverhangRule rule_for(const std::optional<SupportSettings>& supports) {
   return supports ? OverhangRule::kNone : OverhangRule::kNeedSupport;
 }

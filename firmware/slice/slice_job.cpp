@@ -109,9 +109,9 @@ void SliceJob::plan_layers(const RRep& rrep, const Supports& supports) {
 }
 
 Expected<Supports> SliceJob::find_supports(RRep& rrep, JobProgress& progress) {
-  if (!settings_.supports) return Supports{};
-  report_.support_settings = settings_.supports;
-  return add_supports(rrep, *settings_.supports, settings_.slice.placement, *arena_, &progress, report_.slice,
+  if (!settings_.slice.supports) return Supports{};
+  report_.support_settings = settings_.slice.supports;
+  return add_supports(rrep, *settings_.slice.supports, settings_.slice.placement, *arena_, &progress, report_.slice,
                       report_.supports);
 }
 
@@ -122,7 +122,7 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
   PLUMBLINE_TRY(stream);
   const ArenaScope scratch(*arena_);
   const auto limits = check_limits(settings_.slice.placement, settings_.slice.peel, settings_.slice.overcure_mm,
-                                   rule_for(settings_.supports));
+                                   rule_for(settings_.slice.supports));
   auto checker = StackChecker::create(rrep.grid, limits, *arena_);
   PLUMBLINE_TRY(checker);
   const std::uint32_t layers = rrep.grid.layers;

@@ -32,8 +32,7 @@ struct SliceJobSettings {
   std::string output_path;               ///< a folder, or the archive
   std::optional<ArchiveOutput> archive;  ///< none: a folder
   std::string printer_name;              ///< for the manifest; empty: none
-  SliceSettings slice;
-  std::optional<SupportSettings> supports;  ///< as check_support_settings() accepts; none: no supports
+  SliceSettings slice;                   ///< supports: valid by check_support_settings()
   CheckPolicy checks;
   bool preview = true;
 };

@@ -13,7 +13,7 @@ namespace plumbline::inline slicer {
 enum class OverhangRule : std::uint8_t {
   kEroded,       ///< UVtools': those that remain when they are eroded
   kNeedSupport,  ///< the support finder's: those that would get a tip below an overhang, with its default settings
-  kNone,         ///< none: the finder's tips are in the masks, and it tells to which no way leads
+  kNone,  ///< none: the masks have the finder's tips, and places that no support reaches are findings of their own
 };
 
 /// Defaults are UVtools' as far as it has the check. They are pixels where UVtools counts pixels, whatever the pitch. UVtools has
@@ -35,9 +35,8 @@ struct CheckLimits {
   bool has_panel = false;                    ///< the grid is a panel, so its edge is one
   double travel_mm = 0;                      ///< of the Z stage; 0: unknown
 
-  // UVtools does not know supports: below a flat underside, heads of 0.4 mm on every 3 to 4 mm hold a hundredth to a fiftieth of the
-  // region, less than its sixteenth. So a region that its share makes an island is none if it rests on two tips or more, and all of it
-  // is near to them.
+  // UVtools calls a region an island if less than a sixteenth of it is held. Tips of 0.4 mm, 3 to 4 mm apart, hold a hundredth to a
+  // fiftieth of a flat underside, and that is enough. So a region is no island if it rests on two tips or more and all of it is near them.
   /// Least share of the region that they touch, as its inverse: of green_strength_mpa (5 MPa) 55 kPa, three times what FEP of 0.1 mm
   /// peels with (AmeraLabs: 12 to 18 kPa).
   std::uint32_t island_tips_divisor = 90;

@@ -29,7 +29,7 @@ bool is_of_supports(const Issue& issue, const AddedSupports& added) {
     case IssueKind::kFirstLayerArea:
     case IssueKind::kPeelArea:
     case IssueKind::kPeelJump: return issue.last_layer < added.raft_layers;
-    // What falls or tears off does harm whatever it is, and overhangs, gaps and heights are the object's.
+    // Supports cause none of these; what falls or tears off does harm even if it is a support.
     case IssueKind::kOverhang:
     case IssueKind::kFreePiece:
     case IssueKind::kTear:

@@ -28,8 +28,8 @@ struct AddedSupports {
   bool object_clear = false;      ///< the object itself keeps off the panel's edge
 };
 
-/// Sets IssueGroup::minor, and puts what matters first among what is kept. An island that no support reaches matters if a piece that does
-/// falls or tears off: else it soon grew into what is held.
+/// Sets IssueGroup::minor, and puts what matters first among what is kept. An island that no support reaches matters only if
+/// a piece that matters falls or tears off: otherwise it soon grows into what is held.
 /// @param grid  of the masks
 void find_what_matters(StackFindings& findings, const PrintGrid& grid, const AddedSupports& added);
 

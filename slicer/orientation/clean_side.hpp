@@ -24,7 +24,7 @@ constexpr std::optional<CleanSide> clean_side_named(std::string_view word) {
   return static_cast<CleanSide>(found - kCleanSideWords.begin());
 }
 
-/// How squarely a surface faces that side: the cosine of the angle between, 0 to 1.
+/// Cosine of the angle between a surface's normal and that side; 0 if it faces away, or for kNone.
 inline float facing(CleanSide side, const Vec3f& normal) {
   if (side == CleanSide::kNone) return 0;
   const int i = static_cast<int>(side) - 1;

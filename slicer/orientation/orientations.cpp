@@ -9,7 +9,6 @@
 namespace plumbline::inline slicer {
 namespace {
 
-constexpr float kSteep = 0.70710678F;  ///< cosine of 45 degrees: flatter overhangs need supports
 constexpr float kFlat = 0.97F;         ///< cosine of the normal of a foot: 14 degrees, for noisy normals
 constexpr float kFootCells = 1.5F;     ///< height of a foot above the lowest patch, in cells
 constexpr std::size_t kLayers = 48;    ///< sections whose areas are compared
@@ -18,11 +17,11 @@ constexpr double kStep = 15;           ///< degrees between directions
 constexpr double kApart = 0.8660254;   ///< cosine of 30 degrees: least angle between two proposals
 constexpr double kTurned = 0.9396926;  ///< cosine of 20 degrees: least angle between a proposal and the scan as it came
 constexpr double kMuchBetter = 0.75;   ///< of the present cost
-constexpr double kCleanCounts = 20;    ///< times what support_area counts half of: a face is worth any other side
+constexpr double kCleanCounts = 20;    ///< weight of clean_area, ten times that of support_area
 constexpr double kFootCounts = 0.02;   ///< least share of the area that is a foot to stand on
 
-/// Cost of an object that lies on its side; upside down it is twice as much: figures stand, and faces look aside. Less on a flat foot, since what has
-/// one may well have several.
+/// What lying on its side adds to an object's cost; upside down adds twice that. Figures stand, and their faces look sideways. On a flat foot
+/// it adds less: such an object may have several.
 constexpr double kTilted = 0.5;
 constexpr double kTiltedOnFoot = 0.1;
 constexpr double kNearlySquare = 0.978;  ///< cosine of 12 degrees
@@ -53,7 +52,7 @@ OrientationCost cost_along(const SurfaceSamples& s, const Vec3f& up, CleanSide c
     const double area = static_cast<double>(p.area);
     const double seen = area * static_cast<double>(-slope);
     facing_down[std::min(kLayers - 1, static_cast<std::size_t>(height / layer))] += seen;
-    if (slope > -kSteep) continue;
+    if (slope > -kNeedsSupport) continue;
     if (slope < -kFlat && height < kFootCells * s.cell) {
       cost.foot_area += seen;
     } else {
@@ -71,7 +70,7 @@ OrientationCost cost_along(const SurfaceSamples& s, const Vec3f& up, CleanSide c
   const bool has_hole = s.has_hole();
   if (has_hole && hole_down > kFlatHole * hole) {
     cost.foot_area += hole_down;
-  } else if (has_hole && hole_down > static_cast<double>(kSteep) * hole) {
+  } else if (has_hole && hole_down > static_cast<double>(kNeedsSupport) * hole) {
     cost.support_area += hole_down;
     cost.scar_area += hole_down;
   }
@@ -108,7 +107,7 @@ Angles towards(const Vec3f& up, Angles from) {
   return rounded(from);
 }
 
-/// What a way up costs, beside the upright one.
+/// What a way up costs, with its tilt from upright.
 struct Ways {
   const SurfaceSamples& samples;
   CleanSide clean;
@@ -214,11 +213,6 @@ std::optional<WaysUp> best_orientations(const SurfaceSamples& samples, CleanSide
   }
   std::stable_sort(best.begin() + 1, best.begin() + static_cast<std::ptrdiff_t>(found), by_cost);
   return best;
-}
-
-const Orientation& cheapest(const WaysUp& ways) {
-  return *std::min_element(ways.begin(), ways.end(),
-                           [](const Orientation& a, const Orientation& b) { return a.cost.total < b.cost.total; });
 }
 
 std::optional<Orientation> better_upright(const SurfaceSamples& samples) {

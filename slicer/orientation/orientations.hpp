@@ -29,6 +29,9 @@ struct OrientationCost {
   double total = 0;
 };
 
+/// Cosine of 35 degrees, the default of support_overhang_angle: a surface whose normal points down more steeply needs supports.
+inline constexpr float kNeedsSupport = 0.81915204F;
+
 struct Orientation {
   std::array<double, 2> degrees = {};  ///< about x, then about y: --rotate-x, --rotate-y
   OrientationCost cost;
@@ -43,17 +46,14 @@ inline constexpr std::size_t kBestOrientations = 4;
 /// The first is the scan as it came, the others are the best that differ from it and from each other, the best first.
 using WaysUp = std::array<Orientation, 1 + kBestOrientations>;
 
-/// The upright way is the one in which the object lies, or that of better_upright(): what it is tilted by costs extra, 0.5 (1 - cos) in the total, 0.1 on
-/// a flat foot. The best of 288 directions 15 degrees apart, each refined to a tenth of a degree: flat faces stand flat. Two
-/// of them differ by 30 degrees or more, and by 20 or more from the scan as it came. One that is nearer to that is there only if it costs less than three
-/// quarters: a scan that leans by 10 degrees is to stand flat.
+/// Compares 288 directions, 15 degrees apart, and refines the best to a tenth of a degree, so that flat faces stand flat. A tilt adds 0.5 (1 - cos)
+/// to the total, 0.1 (1 - cos) on a flat foot; upright is the scan as it came, or better_upright(). Proposals differ by 30 degrees or more from each
+/// other, and by 20 or more from the scan as it came. A nearer one is proposed only if it costs less than three quarters as much, such as the
+/// way in which a scan that leans by 10 degrees stands flat.
 /// @param samples  of the scan as it came
 /// @param clean    supports' scars on that side cost much more
 /// @returns none if progress says to stop
 std::optional<WaysUp> best_orientations(const SurfaceSamples& samples, CleanSide clean, const StageProgress& progress);
-
-/// The one that costs least: the scan as it came if none is better.
-const Orientation& cheapest(const WaysUp& ways);
 
 /// A rotation by quarter turns that puts a scan upright which plainly is not: the one that costs least, if it costs less than three
 /// quarters of what the present one does, and if there is evidence: the hole faces down there and not now, or the object

@@ -22,13 +22,9 @@ double millimetres_per(Units units);
 /// the programs.
 Units guess_units(double longest_side);
 
-/// A side of the figure as it came, before any rotation: turning it never changes its size.
-enum class Side : std::uint8_t {
-  kWidth,
-  kDepth,
-  kHeight,
-  kLength
-};  ///< along the scan's x, y, z; the longest of the three
+/// A side of the figure as it came, before any rotation, so that turning it never changes its size: along the scan's x, y or z, or the
+/// longest of the three.
+enum class Side : std::uint8_t { kWidth, kDepth, kHeight, kLength };
 /// "width", "depth", "height", "length".
 const char* to_string(Side side);
 
@@ -63,7 +59,7 @@ struct PlacementSettings {
   double scale = 1;               ///< of the printed object to the scanned one
   bool fit = false;               ///< use the largest scale that fits the printer instead of `scale`
   std::optional<PrintSize> size;  ///< use the scale that gives this size instead of `scale`
-  /// Scan units: of the figure as it came, before any rotation, whose sides `size` and a guessed unit mean; none: it has not been turned.
+  /// Scan units: sides of the figure as it came, before any rotation. `size` and a guessed unit are about these. None: it has not been turned.
   std::optional<Vec3d> sized_extent;
   Vec3d rotation_degrees = Vec3d::Zero();  ///< about x, then y, then z, right-handed
   float pixel_pitch_mm = 0.05F;            ///< without a printer

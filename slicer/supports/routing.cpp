@@ -55,7 +55,7 @@ struct LoadClass {
 };
 constexpr LoadClass kLight = {kLightTip, 0.75, &RouteCounts::light};
 constexpr LoadClass kMedium = {1, 1, &RouteCounts::medium};
-constexpr LoadClass kHeavy = {1.5, 1.2, &RouteCounts::heavy};
+constexpr LoadClass kHeavy = {kHeavyTip, 1.2, &RouteCounts::heavy};
 
 }  // namespace
 

@@ -175,7 +175,7 @@ Expected<std::span<Strut>> find_struts(const RRep& rrep, std::span<Tip> tips, co
   return struts;
 }
 
-/// The same with the density of tips put into what it scales: they are half as far apart where there are four times as many.
+/// Applies points_density_relative: with four times the tips they are half as far apart.
 SupportSettings at_density(SupportSettings settings) {
   const double density = settings.points_density_relative / 100;
   settings.area_per_tip /= density;

@@ -37,7 +37,7 @@ struct SupportSettings {
   double max_bridge_length = 15;         ///< of the bridge from a head to a pillar
   double max_pillar_link_distance = 10;  ///< between pillars that are braced
   double points_minimal_distance = 1;    ///< between tips that share the load of an overhang
-  double object_elevation = 5;           ///< of a raised object above the raft; 0: any stands on the plate
+  double object_elevation = 5;           ///< of a raised object above the raft; 0: all objects stand on the plate
   double pad_wall_thickness = 0.8;       ///< height of the raft; 0: none
   double pad_wall_slope = 45;  ///< of its edge, from the horizontal: wider at the top, so that a scraper gets below
   double pad_brim_size = 0.8;  ///< by which it is wider than the bases: as wide as its bevel
@@ -46,13 +46,13 @@ struct SupportSettings {
   double overhang_angle = 35;  ///< from the horizontal; a steeper surface carries itself
   double overhang_span = 5;    ///< between two held places; an overhang longer than half of it gets supports
   double area_per_tip = 12;    ///< mm2 of overhang that a tip carries at most
-  // And these are PrusaSlicer's again.
+  // PrusaSlicer's again, but for the last.
   double points_density_relative = 100;  ///< percent of the tips
   bool buildplate_only = false;          ///< no support ends on the object
   SupportStand stand = SupportStand::kAuto;
 };
 
-/// Diameters, mm, that suit each other.
+/// Diameters of head and pillar, mm, that go together.
 struct SupportPreset {
   std::string_view name;
   double head_front_diameter, head_penetration, pillar_diameter;
@@ -78,9 +78,10 @@ struct SupportField {
   std::string_view help;  ///< one line
 };
 
-/// Diameter of a tip of light load, as a share of head_front_diameter.
+/// Diameters of tips of light and heavy load, as shares of head_front_diameter.
 inline constexpr double kLightTip = 0.75;
-/// mm2 of an island that it carries at most: one of more, on one such tip, is an island to UVtools still.
+inline constexpr double kHeavyTip = 1.5;
+/// Largest island that a light tip carries, mm2: UVtools would still call a larger one, on one such tip, an island.
 inline constexpr double kLightLoad = 0.7;
 
 /// Largest support_overhang_span, mm: bounds the memory of the search.
@@ -106,7 +107,7 @@ inline constexpr std::array<SupportField, 20> kSupportFields = {{
     {"support_points_minimal_distance", &SupportSettings::points_minimal_distance, 0, 10, "mm",
      "Between tips that share a load"},
     {"support_object_elevation", &SupportSettings::object_elevation, 0, 50, "mm",
-     "Of a raised object above the raft; 0: any stands on the plate"},
+     "Of a raised object above the raft; 0: all objects stand on the plate"},
     {"pad_wall_thickness", &SupportSettings::pad_wall_thickness, 0, 10, "mm",
      "Height of the raft below a raised object; 0: none"},
     {"pad_wall_slope", &SupportSettings::pad_wall_slope, 45, 90, "deg",

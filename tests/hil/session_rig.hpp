@@ -49,11 +49,12 @@ inline SliceSettings slicing_for(const BoardFile& board) {
 }
 
 /// Slices a scan, and has a session take it.
-inline Status slice_into(PrintSession& session, ByteSource& scan, const SliceSettings& settings,
+inline Status slice_into(PrintSession& session, ByteSource& scan, SliceSettings settings,
                          const std::optional<SupportSettings>& supports, const PrintProfile& profile,
                          const MachineFile& machine, Arena& arena, ProgressSink* progress = nullptr) {
   ByteSource* const one[] = {&scan};
-  auto printable = slice_printable(one, settings, supports, profile, machine, arena, progress);
+  settings.supports = supports;
+  auto printable = slice_printable(one, settings, profile, machine, arena, progress);
   PLUMBLINE_TRY(printable);
   return session.take(std::move(*printable));
 }

@@ -96,7 +96,7 @@ void add_size_options(CLI::App& app, JobOptions& job, CLI::Option* scale, CLI::O
                                                 "changes none"
                         : side == Side::kWidth ? "Make it this wide along the scan's x"
                         : side == Side::kDepth ? "Make it this deep along the scan's y: the height where y points up"
-                                               : "Make its longest side along these this long")
+                                               : "Make the longest of these three sides this long")
                      ->type_name("LENGTH")
                      ->check(CLI::Validator(
                          [](std::string& text) -> std::string {
@@ -142,8 +142,7 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
           ->group(kObjectGroup);
   app.add_option_function<std::string>(
          "--keep-clean", [&job](const std::string& word) { job.keep_clean = *clean_side_named(word); },
-         "Side of the scan as it came, such as a face, that supports are to leave without scars when the best "
-         "orientation is chosen: " +
+         "Choose an orientation that keeps supports off this side of the scan as it came, such as a face: " +
              std::string(kCleanSideForm) + " [none]")
       ->type_name("SIDE")
       ->check(one_of({kCleanSideWords.begin(), kCleanSideWords.end()}))
@@ -286,7 +285,7 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
       ->group(kSupportsGroup);
   app.add_flag_function(
          "--support-buildplate-only", [&choice](std::int64_t count) { choice.buildplate_only = count > 0; },
-         "No support ends on the object: what none reaches from the plate stays without one")
+         "Let no support end on the object; a place that none reaches from the plate gets none")
       ->group(kSupportsGroup);
   for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
     const SupportField& field = kSupportFields[i];

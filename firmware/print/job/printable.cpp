@@ -72,13 +72,12 @@ Printable printable_of(const SlicedArchive& sliced, std::string_view name, std::
   return made;
 }
 
-Expected<Printable> slice_printable(ScanSources scan, const SliceSettings& settings,
-                                    const std::optional<SupportSettings>& supports, const PrintProfile& profile,
+Expected<Printable> slice_printable(ScanSources scan, const SliceSettings& settings, const PrintProfile& profile,
                                     const MachineFile& machine, Arena& arena, ProgressSink* progress) {
   // Checks that don't depend on the height run before slicing, which may take minutes.
   PLUMBLINE_TRY(plan_print(profile, machine, static_cast<double>(settings.placement.layer_height_mm), 1));
   SliceReport report;
-  const auto sliced = slice_for_print(scan, settings, supports, arena, progress, report);
+  const auto sliced = slice_for_print(scan, settings, arena, progress, report);
   PLUMBLINE_TRY(sliced);
   PLUMBLINE_TRY(judge(sliced->findings, sliced->rrep.grid, profile.checks));
   const auto contract = contract_of(*sliced, settings, profile, machine);
@@ -86,7 +85,7 @@ Expected<Printable> slice_printable(ScanSources scan, const SliceSettings& setti
   Printable made = printable_of(*sliced, title_of(scan).c_str(), profile.name, *contract);
   for (const ByteSource* const file : scan) made.facts.add_file(file->name());
   made.slice = report;
-  made.support_settings = supports;
+  made.support_settings = settings.supports;
   return made;
 }
 

@@ -51,12 +51,11 @@ Printable printable_of(const SlicedArchive& sliced, std::string_view name, std::
                        const Contract& contract, Descriptor file, std::uint64_t hash);
 
 /// Slices a scan, which is not needed afterwards.
-/// @param supports  valid by check_support_settings(); none: no supports
+/// @param settings  supports: valid by check_support_settings()
 /// @retval any error of slice(), find_supports() and plan_print()
 /// @retval ErrorCode::kBadSetting  the profile refuses what the checks of the masks have found, or asks about it
 /// @retval ErrorCode::kCancelled
 [[nodiscard]] Expected<Printable> slice_printable(ScanSources scan, const SliceSettings& settings,
-                                                  const std::optional<SupportSettings>& supports,
                                                   const PrintProfile& profile, const MachineFile& machine, Arena& arena,
                                                   ProgressSink* progress);
 

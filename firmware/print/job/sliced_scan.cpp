@@ -72,8 +72,7 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, OverhangRu
 
 }  // namespace
 
-Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& settings,
-                                     const std::optional<SupportSettings>& supports, Arena& arena,
+Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& settings, Arena& arena,
                                      ProgressSink* progress, SliceReport& report) {
   const HashingSources hashing(scan);
   const auto rrep = slice(hashing.sources(), settings, arena, progress, report);
@@ -83,13 +82,13 @@ Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& sett
   sliced.rrep = *rrep;
   sliced.proof = report.proof;
   sliced.scan_hash = hashing.hash();
-  if (supports) {
-    const auto found =
-        add_supports(sliced.rrep, *supports, settings.placement, arena, progress, report, sliced.support_counts);
+  if (settings.supports) {
+    const auto found = add_supports(sliced.rrep, *settings.supports, settings.placement, arena, progress, report,
+                                    sliced.support_counts);
     PLUMBLINE_TRY(found);
     sliced.supports = *found;
   }
-  PLUMBLINE_TRY(check_masks(sliced, settings, rule_for(supports), arena, progress, report));
+  PLUMBLINE_TRY(check_masks(sliced, settings, rule_for(settings.supports), arena, progress, report));
   return sliced;
 }
 

@@ -26,13 +26,12 @@ struct SlicedScan {
 };
 
 /// Slices a scan, finds its supports, and checks the masks.
-/// @param supports  valid by check_support_settings(); none: no supports
+/// @param settings  supports: valid by check_support_settings()
 /// @param progress  may be null
 /// @param report    filled as far as it went, also on error
 /// @retval any error of slice() and find_supports()
 /// @retval ErrorCode::kCancelled, kOutOfMemory
-[[nodiscard]] Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& settings,
-                                                   const std::optional<SupportSettings>& supports, Arena& arena,
+[[nodiscard]] Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& settings, Arena& arena,
                                                    ProgressSink* progress, SliceReport& report);
 
 }  // namespace plumbline::firmware

@@ -89,8 +89,8 @@ enum class Fact : std::uint8_t {
 };
 inline constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::kMostMm) + 1;
 
-/// Whether `Own` is ToldCode or Fact (`Base`), or an enum of the same type that goes on where that one ends: beside such an enum stands
-/// the declaration `Base extends(Own);`.
+/// True for `Base` itself, ToldCode or Fact, and for an enum of a program that continues its numbers. Such an enum declares
+/// `Base extends(Own);` beside it.
 template <class Own, class Base>
 concept Extends = std::is_same_v<Own, Base> || requires(Own own) {
   { extends(own) } -> std::same_as<Base>;

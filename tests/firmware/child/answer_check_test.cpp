@@ -95,7 +95,7 @@ TEST_F(AnswerCheck, RefusesEveryNumberThatDoesNotAddUp) {
     a.findings.groups[0].kept[0].layer = a.layers;
   });
   refuses("remarks", [](ScanAnswer& a) { a.remarks = ScanAnswer::kMostRemarks + 1; });
-  request_.supports.reset();
+  request_.settings.supports.reset();
   refuses("number of supports", [](ScanAnswer&) {});
 }
 

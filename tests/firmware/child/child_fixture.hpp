@@ -41,7 +41,7 @@ class ChildTest : public testing::Test {
     request.settings.placement.printer = small_printer();
     request.settings.placement.layer_height_mm = 0.1F;
     request.settings.threads = threads;
-    if (supports) request.supports = SupportSettings();
+    if (supports) request.settings.supports = SupportSettings();
     return request;
   }
 

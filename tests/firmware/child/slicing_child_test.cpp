@@ -48,7 +48,7 @@ TEST_F(SlicingChildTest, FindsWhatThisProcessFindsScanAfterScan) {
     auto files = ScanFiles::open(paths);
     ASSERT_TRUE(files);
     SliceReport report;
-    const auto expected = slice_for_print(files->sources(), request.settings, request.supports, here, nullptr, report);
+    const auto expected = slice_for_print(files->sources(), request.settings, here, nullptr, report);
     ASSERT_TRUE(expected) << expected.error().message();
     const PrintGrid& grid = found->sliced.rrep.grid;
     EXPECT_EQ(std::tie(grid.columns, grid.rows, grid.layers),
@@ -176,7 +176,7 @@ TEST_F(SlicingChildTest, SlicesSeveralFilesAsOneScanAndNamesTheBadOne) {
   std::vector<std::byte> block(kArenaBytes);
   Arena here(block);
   SliceReport report;
-  const auto expected = slice_for_print(files->sources(), request.settings, std::nullopt, here, nullptr, report);
+  const auto expected = slice_for_print(files->sources(), request.settings, here, nullptr, report);
   ASSERT_TRUE(expected) << expected.error().message();
   EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.first, expected->rrep.first));
   EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.pixel, expected->rrep.pixel));
@@ -208,7 +208,7 @@ TEST_F(SlicingChildTest, ReportsErrorsOfTheScanInItsOwnWords) {
   std::vector<std::byte> block(kArenaBytes);
   Arena here(block);
   SliceReport report;
-  const auto expected = slice_for_print(files->sources(), request.settings, std::nullopt, here, nullptr, report);
+  const auto expected = slice_for_print(files->sources(), request.settings, here, nullptr, report);
   EXPECT_EQ(found.error().code(), expected.error().code());
   EXPECT_STREQ(found.error().message(), expected.error().message());
   EXPECT_EQ(found.error().advice(), expected.error().advice());

@@ -77,8 +77,9 @@ void expect_layers_of_stream(const SliceJobSettings& settings, const JobReport& 
   ASSERT_TRUE(rrep.has_value()) << rrep.error().message();
   Supports supports;
   SupportCounts counts;
-  if (settings.supports) {
-    auto found = add_supports(*rrep, *settings.supports, settings.slice.placement, arena, nullptr, ignored, counts);
+  if (settings.slice.supports) {
+    auto found =
+        add_supports(*rrep, *settings.slice.supports, settings.slice.placement, arena, nullptr, ignored, counts);
     ASSERT_TRUE(found.has_value()) << found.error().message();
     supports = *found;
   }
@@ -134,7 +135,7 @@ TEST(SliceJob, WritesMasksWithTheirSupports) {
   auto settings = sphere_job(folder);
   const auto without = run(settings);
   ASSERT_TRUE(without.has_value()) << without.error().message();
-  settings.supports = SupportSettings{};
+  settings.slice.supports = SupportSettings{};
   const auto report = run(settings);
   ASSERT_TRUE(report.has_value()) << report.error().message();
   expect_layers_of_stream(settings, *report);
@@ -189,8 +190,8 @@ TEST(SliceJob, TellsWhatFallsWithoutSupportsAndDrawsIt) {
   for (const auto& line : report->warnings.all()) told |= line.view().find("that nothing holds") != std::string::npos;
   EXPECT_TRUE(told);
 
-  settings.supports = SupportSettings{};
-  settings.slice.placement.room = support_room(*settings.supports);
+  settings.slice.supports = SupportSettings{};
+  settings.slice.placement.room = support_room(*settings.slice.supports);
   const auto supported = run(settings);
   ASSERT_TRUE(supported.has_value()) << supported.error().message();
   EXPECT_EQ(supported->findings->count(IssueKind::kFreePiece), 0U);

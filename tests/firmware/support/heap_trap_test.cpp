@@ -64,7 +64,7 @@ TEST(Job, TakesNothingFromTheHeapAfterItsAdmission) {
   write_sphere_scan(folder / "sphere.ply", 60'000, 12);
   Arena arena(arena_block);
   auto settings = sphere_job(folder);
-  settings.supports = SupportSettings{};
+  settings.slice.supports = SupportSettings{};
   auto job = SliceJob::prepare(settings, arena);
   ASSERT_TRUE(job.has_value()) << job.error().message();
   ProgressLines lines;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -21,6 +22,10 @@ Surface turned(Surface surface, const Vec3d& degrees) {
   const Mat3d rotation = rotation_matrix(degrees);
   for (SurfacePoint& p : surface) p = {rotation * p.position, rotation * p.normal};
   return surface;
+}
+
+const Orientation& cheapest(const WaysUp& ways) {
+  return *std::ranges::min_element(ways, {}, [](const Orientation& way) { return way.cost.total; });
 }
 
 /// A box that is as high as it is wide twice over, with its underside.
