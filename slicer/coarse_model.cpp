@@ -195,15 +195,16 @@ Expected<RRep> rrep_of(const CoarseModel& model, const CoarseVoxels& voxels, Are
     for (std::size_t i = 0; i < plane; ++i) count += toggles(k, i) ? 1 : 0;
   }
   (*first)[grid.layers] = count;
-  const auto pixel = arena.take_bottom<std::uint32_t>(count, kStage);
-  PLUMBLINE_TRY(pixel);
+  const CrossingPacking packing(grid);
+  const auto packed = arena.take_bottom<std::uint32_t>(count, kStage);
+  PLUMBLINE_TRY(packed);
   std::size_t at = 0;
   for (std::uint32_t k = 0; k < grid.layers; ++k) {
     for (std::size_t i = 0; i < plane; ++i) {
-      if (toggles(k, i)) (*pixel)[at++] = static_cast<std::uint32_t>(i);
+      if (toggles(k, i)) (*packed)[at++] = packing.packed(static_cast<std::uint32_t>(i));
     }
   }
-  return RRep{grid, *first, *pixel, true};
+  return RRep{grid, *first, *packed, true};
 }
 
 }  // namespace plumbline::inline slicer

@@ -35,13 +35,15 @@ std::span<const T> part_of(std::span<const std::byte> result, std::uint64_t at, 
 /// Whether the crossings are those of an RRep: see there.
 bool is_rrep(const RRep& rrep) {
   const std::uint32_t pixels = rrep.grid.columns * rrep.grid.rows;  // at most 2^28
-  if (rrep.first.front() != 0 || rrep.first.back() != rrep.pixel.size()) return false;
+  const CrossingPacking packing(rrep.grid);
+  if (rrep.first.front() != 0 || rrep.first.back() != rrep.packed.size()) return false;
   for (std::size_t layer = 0; layer < rrep.grid.layers; ++layer) {
     const std::uint32_t begin = rrep.first[layer];
     const std::uint32_t end = rrep.first[layer + 1];
-    if (begin > end || end > rrep.pixel.size()) return false;
+    if (begin > end || end > rrep.packed.size()) return false;
     std::uint32_t least = 0;
-    for (const std::uint32_t pixel : rrep.pixel.subspan(begin, end - begin)) {
+    for (const std::uint32_t packed : rrep.packed.subspan(begin, end - begin)) {
+      const std::uint32_t pixel = packing.pixel(packed);
       if (pixel < least || pixel >= pixels) return false;
       least = pixel + 1;
     }
@@ -125,9 +127,9 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
   const std::uint64_t layer_ends = std::uint64_t{grid.layers} + 1;
   sliced.rrep = {.grid = grid,
                  .first = part_of<std::uint32_t>(*result, answer.first_at, layer_ends),
-                 .pixel = part_of<std::uint32_t>(*result, answer.pixel_at, answer.crossings),
+                 .packed = part_of<std::uint32_t>(*result, answer.packed_at, answer.crossings),
                  .is_exact = answer.is_exact != 0};
-  if (sliced.rrep.first.size() != layer_ends || sliced.rrep.pixel.size() != answer.crossings) return wrong("places");
+  if (sliced.rrep.first.size() != layer_ends || sliced.rrep.packed.size() != answer.crossings) return wrong("places");
   if (!is_rrep(sliced.rrep)) return wrong("crossings");
 
   if (answer.supports > 0) {

@@ -41,7 +41,7 @@ struct ScanAnswer {
   std::uint32_t supports = 0;     ///< how many
   std::uint64_t crossings = 0;    ///< how many
   std::uint64_t first_at = 0;     ///< RRep::first
-  std::uint64_t pixel_at = 0;     ///< RRep::pixel
+  std::uint64_t packed_at = 0;    ///< RRep::packed
   std::uint64_t supports_at = 0;  ///< Supports::list
   std::uint64_t scan_hash = 0;
   StackFindings findings;

@@ -28,9 +28,9 @@ void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena&
   answer.bottom_used = arena.bottom_used();
   answer.layers = sliced.rrep.grid.layers;
   answer.is_exact = sliced.rrep.is_exact ? 1 : 0;
-  answer.crossings = sliced.rrep.pixel.size();
+  answer.crossings = sliced.rrep.packed.size();
   answer.first_at = place(sliced.rrep.first.data());
-  answer.pixel_at = place(sliced.rrep.pixel.data());
+  answer.packed_at = place(sliced.rrep.packed.data());
   if (!sliced.supports.empty()) {
     answer.supports = static_cast<std::uint32_t>(sliced.supports.list.size());
     answer.supports_at = place(sliced.supports.list.data());

@@ -29,6 +29,7 @@ Expected<LayerStream> LayerStream::create(const RRep& rrep, Arena& arena) {
   stream.mask_ = BitImage(*mask, columns, rows);
   stream.changed_ = BitImage(*changed, rows, strips);
   stream.row_of_ = Quotient(columns);
+  stream.packing_ = CrossingPacking(rrep.grid);
   stream.section_.clear();
   stream.mask_.clear();
   stream.changed_.clear();
@@ -43,20 +44,24 @@ std::size_t LayerStream::bytes_needed(const PrintGrid& grid) {
 
 void LayerStream::toggle(std::uint32_t layer) {
   const std::uint32_t columns = rrep_->grid.columns;
-  const auto crossings = rrep_->pixel.subspan(rrep_->first[layer], rrep_->first[layer + 1] - rrep_->first[layer]);
-  const Quotient row_of = row_of_;  // a copy: the stores below can't change it
+  const auto crossings = rrep_->packed.subspan(rrep_->first[layer], rrep_->first[layer + 1] - rrep_->first[layer]);
+  const Quotient row_of = row_of_;  // copies: the stores below can't change them
+  const CrossingPacking packing = packing_;
   const std::uint32_t* at = crossings.data();
   const std::uint32_t* const end = at + crossings.size();
   while (at != end) {
-    const std::uint32_t row = row_of(*at);
+    std::uint32_t pixel = packing.pixel(*at);
+    const std::uint32_t row = row_of(pixel);
     const std::uint32_t row_start = row * columns;
-    const std::uint32_t word = (*at - row_start) / 64;
+    const std::uint32_t word = (pixel - row_start) / 64;
     const std::uint32_t word_start = row_start + word * 64;
     const std::uint32_t word_columns = std::min(64U, row_start + columns - word_start);
     std::uint64_t bits = 0;
     do {
-      bits |= std::uint64_t{1} << (*at++ - word_start);
-    } while (at != end && *at - word_start < word_columns);
+      bits |= std::uint64_t{1} << (pixel - word_start);
+      if (++at == end) break;
+      pixel = packing.pixel(*at);
+    } while (pixel - word_start < word_columns);
     section_.row(row)[word] ^= bits;
     const std::uint32_t strip = word * 64 / kStripColumns;
     if (static_cast<std::uint32_t>(bits) != 0) changed_.set(row, strip);

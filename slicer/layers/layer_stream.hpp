@@ -48,10 +48,11 @@ class LayerStream {
   void remake_changed();
 
   const RRep* rrep_ = nullptr;
-  BitImage section_;      ///< the crossings up to layer at_, toggled
-  BitImage mask_;         ///< section_, opened and closed
-  BitImage changed_;      ///< one row a strip of mask_, one bit for each of its rows: must be remade
-  Quotient row_of_;       ///< of a pixel
+  BitImage section_;  ///< the crossings up to layer at_, toggled
+  BitImage mask_;     ///< section_, opened and closed
+  BitImage changed_;  ///< one row a strip of mask_, one bit for each of its rows: must be remade
+  Quotient row_of_;   ///< of a pixel
+  CrossingPacking packing_{PrintGrid{}};
   std::int64_t at_ = -1;  ///< layer of section_; -1: none yet
 };
 

@@ -53,11 +53,12 @@ Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena)
   // rrep is the newest block at the bottom, so this block continues it, but for the rounding of blocks.
   auto more = arena.take_bottom<std::uint32_t>(added.size(), "R-Rep");
   if (!more) return tl::unexpected<Error>(more.error());
-  std::uint32_t* const pixel = const_cast<std::uint32_t*>(rrep.pixel.data());
+  const CrossingPacking packing(rrep.grid);
+  std::uint32_t* const packed = const_cast<std::uint32_t*>(rrep.packed.data());
   std::uint32_t* const first = const_cast<std::uint32_t*>(rrep.first.data());
 
   // Merges from the last crossing down into the room behind: nothing is overwritten before it is read.
-  const std::size_t room = rrep.pixel.size() + added.size();
+  const std::size_t room = rrep.packed.size() + added.size();
   std::size_t to = room;
   std::size_t toggle = added.size();
   std::uint32_t from = first[rrep.grid.layers];
@@ -66,21 +67,21 @@ Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena)
     const std::uint32_t begin = first[layer];
     while (from > begin || (toggle > 0 && added[toggle - 1].layer == layer)) {
       const bool is_added = toggle > 0 && added[toggle - 1].layer == layer;
-      if (is_added && from > begin && pixel[from - 1] == added[toggle - 1].pixel) {
+      if (is_added && from > begin && packing.pixel(packed[from - 1]) == added[toggle - 1].pixel) {
         --from;
         --toggle;
-      } else if (is_added && (from == begin || added[toggle - 1].pixel > pixel[from - 1])) {
-        pixel[--to] = added[--toggle].pixel;
+      } else if (is_added && (from == begin || added[toggle - 1].pixel > packing.pixel(packed[from - 1]))) {
+        packed[--to] = packing.packed(added[--toggle].pixel);
       } else {
-        pixel[--to] = pixel[--from];
+        packed[--to] = packed[--from];
       }
     }
     first[layer + 1] = static_cast<std::uint32_t>(end);
   }
   for (std::uint32_t k = 1; k <= rrep.grid.layers; ++k) first[k] -= static_cast<std::uint32_t>(to);
-  std::copy(pixel + to, pixel + room, pixel);
-  rrep.pixel = {pixel, room - to};
-  arena.trim_bottom(pixel, rrep.pixel.size_bytes());
+  std::copy(packed + to, packed + room, packed);
+  rrep.packed = {packed, room - to};
+  arena.trim_bottom(packed, rrep.packed.size_bytes());
   return {};
 }
 
@@ -100,19 +101,20 @@ Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<
     const std::uint32_t crossings = rrep.first[below];
     auto moves = arena.take_top<RRepToggle>(2 * std::size_t{crossings}, "R-Rep");
     PLUMBLINE_TRY(moves);
+    const CrossingPacking packing(rrep.grid);
     std::size_t move = 0;
     for (std::uint32_t layer = 0; layer < below; ++layer) {
       for (std::uint32_t i = rrep.first[layer]; i < rrep.first[layer + 1]; ++i) {
-        (*moves)[move++] = {layer, rrep.pixel[i]};
-        (*moves)[move++] = {below, rrep.pixel[i]};
+        (*moves)[move++] = {layer, packing.pixel(rrep.packed[i])};
+        (*moves)[move++] = {below, packing.pixel(rrep.packed[i])};
       }
     }
     PLUMBLINE_TRY(toggle_crossings(rrep, *moves, arena));
   }
   rrep.grid.layers -= below + above;
   rrep.first = rrep.first.subspan(below, rrep.grid.layers + 1);
-  rrep.pixel = rrep.pixel.first(rrep.first.back());
-  arena.trim_bottom(rrep.pixel.data(), rrep.pixel.size_bytes());
+  rrep.packed = rrep.packed.first(rrep.first.back());
+  arena.trim_bottom(rrep.packed.data(), rrep.packed.size_bytes());
   return *empty;
 }
 

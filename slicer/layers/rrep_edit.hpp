@@ -20,7 +20,7 @@ struct RRepToggle {
   auto operator<=>(const RRepToggle&) const = default;
 };
 
-/// Adds crossings; one that meets a crossing of the same layer and pixel cancels it.
+/// Adds crossings at the undersides of layers; one that meets a crossing of the same layer and pixel cancels it.
 /// @param rrep     the newest block at the bottom of the arena
 /// @param toggles  in any order; sorted in place; equal pairs cancel
 /// @retval ErrorCode::kOutOfMemory  rrep is unchanged

@@ -15,12 +15,13 @@ constexpr const char* kStage = "mesh";
 constexpr std::uint32_t kBuckets = 1024;
 
 /// Whether the hits of a ray come nearer to entering as often as exiting if none is there twice.
-bool balances_without_doubled(std::span<const PackedHit> ray) {
+bool balances_without_doubled(std::span<const PackedHit> all, const HitPacking& packing) {
+  const RayHits ray{all, packing, true};
   int sum = 0;
   int sum_of_different = 0;
   for (std::size_t i = 0; i < ray.size(); ++i) {
-    sum += ray[i].winding();
-    if (i == 0 || !ray[i].is_again(ray[i - 1])) sum_of_different += ray[i].winding();
+    sum += ray.winding(i);
+    if (ray.keeps(i)) sum_of_different += ray.winding(i);
   }
   return std::abs(sum_of_different) < std::abs(sum);
 }
@@ -30,6 +31,7 @@ bool balances_without_doubled(std::span<const PackedHit> ray) {
 Expected<HitList> HitList::create(const PrintGrid& grid, Arena& arena, bool of_shells) {
   HitList list;
   list.of_shells_ = of_shells;
+  list.packing_ = HitPacking(grid);
   list.top_ = arena.top_mark();
   list.tile_columns_ = (grid.columns + kTileSide - 1) / kTileSide;
   list.tile_rows_ = (grid.rows + kTileSide - 1) / kTileSide;
@@ -65,41 +67,42 @@ void HitList::sort() {
   const auto is_solid = [](const PackedHit& hit) { return !BodyLabel::of(hit.body()).is_negative(); };
   const auto negative = of_shells_ ? hits_.end() : std::partition(hits_.begin(), hits_.end(), is_solid);
   negative_ = static_cast<std::size_t>(hits_.end() - negative);
-  sort_hits(hits_.first(hits_.size() - negative_), tile_columns_ * tile_rows_);
-  sort_hits(hits_.last(negative_), tile_columns_ * tile_rows_);
+  sort_hits(hits_.first(hits_.size() - negative_), packing_, tile_columns_ * tile_rows_);
+  sort_hits(hits_.last(negative_), packing_, tile_columns_ * tile_rows_);
 }
 
 bool HitList::drop_doubled() {
-  for_each_ray(
-      [&](std::span<const PackedHit> ray) { drops_doubled_ = drops_doubled_ || balances_without_doubled(ray); });
+  for_each_ray([&](std::span<const PackedHit> ray) {
+    drops_doubled_ = drops_doubled_ || balances_without_doubled(ray, packing_);
+  });
   return drops_doubled_;
 }
 
 RayHits HitList::take_ray(std::span<const PackedHit>& in_tile, std::uint32_t ray) const {
   std::size_t count = 0;
-  while (count < in_tile.size() && in_tile[count].ray() == ray) ++count;
+  while (count < in_tile.size() && packing_.ray(in_tile[count]) == ray) ++count;
   const auto taken = in_tile.first(count);
   in_tile = in_tile.subspan(count);
-  return {taken, drops_doubled_ && balances_without_doubled(taken)};
+  return {taken, packing_, drops_doubled_ && balances_without_doubled(taken, packing_)};
 }
 
-std::span<const PackedHit> HitList::of_tile(std::span<const PackedHit> hits, std::uint32_t tile) {
-  const auto begin = std::lower_bound(hits.begin(), hits.end(), PackedHit::before_tile(tile));
-  const auto end = std::lower_bound(begin, hits.end(), PackedHit::before_tile(tile + 1));
+std::span<const PackedHit> HitList::of_tile(std::span<const PackedHit> hits, std::uint32_t tile) const {
+  const auto begin = std::lower_bound(hits.begin(), hits.end(), packing_.before_tile(tile));
+  const auto end = std::lower_bound(begin, hits.end(), packing_.before_tile(tile + 1));
   return {begin, end};
 }
 
 RayHits HitList::of_ray(std::uint32_t column, std::uint32_t row) const {
   const std::uint32_t number = row % kTileSide * kTileSide + column % kTileSide;
   auto in_tile = of_tile(row / kTileSide * tile_columns_ + column / kTileSide);
-  while (!in_tile.empty() && in_tile.front().ray() < number) in_tile = in_tile.subspan(1);
+  while (!in_tile.empty() && packing_.ray(in_tile.front()) < number) in_tile = in_tile.subspan(1);
   return take_ray(in_tile, number);
 }
 
-void sort_hits(std::span<PackedHit> hits, std::uint32_t tiles) {
+void sort_hits(std::span<PackedHit> hits, const HitPacking& packing, std::uint32_t tiles) {
   // American flag sort (McIlroy, Bostic, McIlroy 1993): each hit is swapped to where its bucket ends so far.
   const auto shift = static_cast<std::uint32_t>(std::bit_width(std::max(tiles, kBuckets) / kBuckets) - 1) + 1;
-  const auto bucket_of = [shift](const PackedHit& hit) { return hit.tile() >> shift; };
+  const auto bucket_of = [&](const PackedHit& hit) { return packing.tile(hit) >> shift; };
   std::array<std::size_t, kBuckets + 1> first{};
   for (const PackedHit& hit : hits) ++first[bucket_of(hit) + std::size_t{1}];
   for (std::size_t b = 1; b < first.size(); ++b) first[b] += first[b - 1];

@@ -1,6 +1,8 @@
 #pragma once
 /// The hits of all rays, collected in the order of the triangles and sorted by ray.
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 
@@ -10,71 +12,103 @@
 
 namespace plumbline::inline slicer {
 
-/// A hit in one word, so that sorting words sorts by tile, ray in the tile, and layer:
-///
-///   bits 42 to 63  tile, row by row
-///   bits 36 to 41  ray in the tile, row by row
-///   bits 20 to 35  layer
-///   bit  19        1: exiting
-///   bits  0 to 18  body
+/// A hit in one word: see HitPacking.
 class PackedHit {
  public:
-  static constexpr std::uint32_t kMostBodies = 1U << 19U;
+  static constexpr unsigned kBodyBits = 19;
+  static constexpr std::uint32_t kMostBodies = 1U << kBodyBits;
 
   PackedHit() = default;
-  /// @param body  of the triangle, below kMostBodies
-  PackedHit(const RayHit& hit, std::uint32_t tile_columns, std::uint32_t body = 0) {
-    const std::uint64_t tile = std::uint64_t{hit.row / kTileSide} * tile_columns + hit.column / kTileSide;
-    const std::uint64_t ray = hit.row % kTileSide * kTileSide + hit.column % kTileSide;
-    word_ = tile << kTileBit | ray << kRayBit | std::uint64_t{hit.layer} << kLayerBit |
-            std::uint64_t{hit.entering ? 0U : 1U} << kExitBit | body;
-  }
-  /// Less than any hit of the tile, and above those of the tiles before.
-  static PackedHit before_tile(std::uint32_t tile) {
-    PackedHit hit;
-    hit.word_ = std::uint64_t{tile} << kTileBit;
-    return hit;
-  }
-
-  std::uint32_t tile() const { return static_cast<std::uint32_t>(word_ >> kTileBit); }
-  std::uint32_t ray() const { return static_cast<std::uint32_t>(word_ >> kRayBit) & 63U; }
-  std::uint32_t layer() const { return static_cast<std::uint32_t>(word_ >> kLayerBit) & 0xFFFFU; }
-  /// What the hit adds to the winding number of the ray above it.
-  int winding() const { return (word_ >> kExitBit & 1U) != 0 ? -1 : 1; }
-  std::uint32_t body() const { return static_cast<std::uint32_t>(word_) & (kMostBodies - 1); }
-  bool is_on_ray_of(const PackedHit& other) const { return word_ >> kRayBit == other.word_ >> kRayBit; }
-  /// Whether it differs in its body at most.
-  bool is_again(const PackedHit& other) const { return word_ >> kExitBit == other.word_ >> kExitBit; }
-  /// The same hit of another body, turned over if asked for.
-  PackedHit of_body(std::uint32_t body, bool turned) const {
-    PackedHit hit;
-    hit.word_ = ((word_ >> kExitBit ^ (turned ? 1U : 0U)) << kExitBit) | body;
-    return hit;
-  }
+  std::uint32_t body() const { return static_cast<std::uint32_t>(word_) % kMostBodies; }
   auto operator<=>(const PackedHit&) const = default;  // NOLINT(modernize-use-nullptr): compares with literal 0
 
  private:
-  static constexpr unsigned kExitBit = 19;
-  static constexpr unsigned kLayerBit = 20;
-  static constexpr unsigned kRayBit = 36;
-  static constexpr unsigned kTileBit = 42;
+  friend class HitPacking;
+  explicit PackedHit(std::uint64_t word) : word_(word) {}
 
   std::uint64_t word_ = 0;
+};
+
+/// Packs hits so that sorting words sorts by tile, ray in the tile, and layer. From the top: tile, row by row; ray in the tile, row by row;
+/// layer; one bit that is 1 if it exits; as much of the height within the layer as there is room for; body.
+class HitPacking {
+ public:
+  HitPacking() = default;
+  explicit HitPacking(const PrintGrid& grid) : tile_columns_((grid.columns + kTileSide - 1) / kTileSide) {
+    const std::uint32_t tiles = tile_columns_ * ((grid.rows + kTileSide - 1) / kTileSide);
+    const auto layer_bits = static_cast<unsigned>(std::bit_width(grid.layers));
+    const auto tile_bits = static_cast<unsigned>(std::bit_width(tiles));
+    const unsigned others = PackedHit::kBodyBits + 1 + layer_bits + kRayBits + tile_bits;
+    part_bits_ = std::min(CrossingHeight::kBits, 64 - std::min(64U, others));
+    exit_bit_ = PackedHit::kBodyBits + part_bits_;
+    ray_bit_ = exit_bit_ + 1 + layer_bits;
+  }
+
+  /// @param body  of the triangle, below PackedHit::kMostBodies
+  PackedHit packed(const RayHit& hit, std::uint32_t body = 0) const {
+    const std::uint64_t tile = std::uint64_t{hit.row / kTileSide} * tile_columns_ + hit.column / kTileSide;
+    const std::uint64_t ray = hit.row % kTileSide * kTileSide + hit.column % kTileSide;
+    const std::uint64_t part = hit.height.part() >> (CrossingHeight::kBits - part_bits_);
+    return PackedHit((tile << kRayBits | ray) << ray_bit_ |
+                     (std::uint64_t{hit.height.layer()} << 1U | (hit.entering ? 0U : 1U)) << exit_bit_ |
+                     part << PackedHit::kBodyBits | body);
+  }
+  /// Less than any hit of the tile, and above those of the tiles before.
+  PackedHit before_tile(std::uint32_t tile) const { return PackedHit(std::uint64_t{tile} << kRayBits << ray_bit_); }
+  /// The same hit of another body, turned over if asked for.
+  PackedHit of_body(const PackedHit& hit, std::uint32_t body, bool turned) const {
+    const std::uint64_t turn = turned ? std::uint64_t{1} << exit_bit_ : 0;
+    return PackedHit(((hit.word_ ^ turn) >> PackedHit::kBodyBits) << PackedHit::kBodyBits | body);
+  }
+
+  std::uint32_t tile(const PackedHit& hit) const {
+    return static_cast<std::uint32_t>(hit.word_ >> ray_bit_ >> kRayBits);
+  }
+  std::uint32_t ray(const PackedHit& hit) const {
+    return static_cast<std::uint32_t>(hit.word_ >> ray_bit_) % kRaysPerTile;
+  }
+  std::uint32_t layer(const PackedHit& hit) const {
+    const auto of_ray = hit.word_ & ((std::uint64_t{1} << ray_bit_) - 1);
+    return static_cast<std::uint32_t>(of_ray >> (exit_bit_ + 1));
+  }
+  CrossingHeight height(const PackedHit& hit) const {
+    const auto part = static_cast<std::uint32_t>(hit.word_ >> PackedHit::kBodyBits) % (1U << part_bits_);
+    return CrossingHeight(layer(hit), (2 * part + 1) << (CrossingHeight::kBits - part_bits_) >> 1U);
+  }
+  bool exits(const PackedHit& hit) const { return (hit.word_ >> exit_bit_ & 1U) != 0; }
+  /// What the hit adds to the winding number of the ray above it.
+  int winding(const PackedHit& hit) const { return exits(hit) ? -1 : 1; }
+  bool are_on_one_ray(const PackedHit& a, const PackedHit& b) const {
+    return a.word_ >> ray_bit_ == b.word_ >> ray_bit_;
+  }
+  /// Whether they are of one ray and layer and both enter or both exit.
+  bool are_alike(const PackedHit& a, const PackedHit& b) const { return a.word_ >> exit_bit_ == b.word_ >> exit_bit_; }
+
+ private:
+  static constexpr unsigned kRayBits = 6;
+  static_assert(kRaysPerTile == 1U << kRayBits);
+
+  std::uint32_t tile_columns_ = 0;
+  unsigned part_bits_ = 0;
+  unsigned exit_bit_ = 0, ray_bit_ = 0;  ///< where they begin
 };
 
 /// The hits of one ray, in order.
 struct RayHits {
   std::span<const PackedHit> all;
-  bool drops_doubled = false;  ///< those that are equal to the one below are left out
+  HitPacking packing;
+  bool drops_doubled = false;  ///< those that are alike the one below are left out
 
   bool empty() const { return all.empty(); }
   std::size_t size() const { return all.size(); }
-  bool keeps(std::size_t i) const { return !drops_doubled || i == 0 || !all[i].is_again(all[i - 1]); }
+  std::uint32_t layer(std::size_t i) const { return packing.layer(all[i]); }
+  int winding(std::size_t i) const { return packing.winding(all[i]); }
+  bool keeps(std::size_t i) const { return !drops_doubled || i == 0 || !packing.are_alike(all[i], all[i - 1]); }
 };
 
 /// Sorts hits in place: into buckets by their tile, then each bucket.
 /// @param tiles  all hits lie in tiles below it
-void sort_hits(std::span<PackedHit> hits, std::uint32_t tiles);
+void sort_hits(std::span<PackedHit> hits, const HitPacking& packing, std::uint32_t tiles);
 
 /// Takes the rest of the arena for hits, and gives back what they don't need.
 class HitList {
@@ -87,13 +121,14 @@ class HitList {
   /// @returns false if the list is full
   [[nodiscard]] bool add(const RayHit& hit, std::uint32_t body = 0) {
     if (free_ == 0) return false;
-    hits_[--free_] = PackedHit(hit, tile_columns_, body);
+    hits_[--free_] = packing_.packed(hit, body);
     return true;
   }
   std::size_t size() const { return hits_.size() - free_; }
   std::size_t capacity() const { return hits_.size(); }
   std::uint32_t tile_columns() const { return tile_columns_; }
   std::uint32_t tile_rows() const { return tile_rows_; }
+  const HitPacking& packing() const { return packing_; }
 
   /// Gives the unused memory back, and sorts.
   /// @param arena  with nothing at its top that was taken after the list
@@ -126,7 +161,7 @@ class HitList {
   void for_each_ray(Visit visit) const {
     const auto hits = all();
     for (std::size_t begin = 0, end = 0; begin < hits.size(); begin = end) {
-      while (end < hits.size() && hits[end].is_on_ray_of(hits[begin])) ++end;
+      while (end < hits.size() && packing_.are_on_one_ray(hits[end], hits[begin])) ++end;
       visit(hits.subspan(begin, end - begin));
     }
   }
@@ -138,13 +173,14 @@ class HitList {
   RayHits take_ray(std::span<const PackedHit>& in_tile, std::uint32_t ray) const;
 
  private:
-  static std::span<const PackedHit> of_tile(std::span<const PackedHit> hits, std::uint32_t tile);
+  std::span<const PackedHit> of_tile(std::span<const PackedHit> hits, std::uint32_t tile) const;
   void sort();
 
   std::span<PackedHit> hits_;  ///< filled from the back, so that nothing moves when the front is given back
   std::size_t free_ = 0;
   std::size_t negative_ = 0;  ///< at the back
   std::size_t top_ = 0;       ///< mark of the arena before the list
+  HitPacking packing_;
   std::uint32_t tile_columns_ = 0;
   std::uint32_t tile_rows_ = 0;
   bool of_shells_ = false;

@@ -48,10 +48,32 @@ std::pair<std::uint32_t, std::uint32_t> middle_of_tile(std::uint32_t column, std
   return {std::min(column * kTileSide + kMiddle, grid.columns - 1), std::min(row * kTileSide + kMiddle, grid.rows - 1)};
 }
 
+/// Heights of the crossings of a ray: those of the last hit of the layer that enters or exits as the crossing does, or exits or enters if it
+/// is of a negative volume. Where the winding number alone decided, at the layer's underside.
+/// @param layers  at which the ray becomes solid, then empty, and so on
+void take_heights(std::span<const std::uint16_t> layers, const RayHits& solid, const RayHits& negative,
+                  std::span<CrossingHeight> heights) {
+  std::size_t at = 0, at_negative = 0;
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    const bool exits = i % 2 == 1;
+    heights[i] = CrossingHeight(layers[i]);
+    const auto pass = [&](const RayHits& hits, std::size_t& next, bool turned) {
+      for (; next < hits.size() && hits.layer(next) <= layers[i]; ++next) {
+        const PackedHit& hit = hits.all[next];
+        if (hits.layer(next) == layers[i] && hits.packing.exits(hit) == (exits != turned)) {
+          heights[i] = hits.packing.height(hit);
+        }
+      }
+    };
+    pass(negative, at_negative, true);
+    pass(solid, at, false);
+  }
+}
+
 /// What one thread works with.
 struct Worker {
-  std::span<std::uint16_t> room;  ///< kRaysPerTile * kMostRayCrossings layers
-  std::optional<OpenRays> open;   ///< of a mesh that is not closed
+  std::span<CrossingHeight> room;  ///< kRaysPerTile * kMostRayCrossings
+  std::optional<OpenRays> open;    ///< of a mesh that is not closed
   MeshCounts counts;
 };
 
@@ -102,14 +124,13 @@ class Resolver {
     std::size_t used = 0;
     for (std::uint32_t i = 0; i < kRaysPerTile; ++i) {
       const auto ray = hits_.take_ray(hits, i);
-      const auto cut = hits_.take_ray(negative, i).all;
+      const RayHits cut = hits_.take_ray(negative, i);
       const std::uint32_t column = tile_column * kTileSide + i % kTileSide;
       const std::uint32_t row = tile_row * kTileSide + i / kTileSide;
       const bool open = worker.open && worker.open->is_open(column, row);
       if (ray.empty() && !open) continue;
-      RayToggles toggles(worker.room.subspan(used));
-      std::array<std::uint16_t, kMostRayCrossings> uncut_layers;
-      RayToggles uncut(uncut_layers);
+      std::array<std::uint16_t, kMostRayCrossings> layers, uncut_layers;
+      RayToggles toggles(layers), uncut(uncut_layers);
       RayToggles& solids = cut.empty() ? toggles : uncut;
       if (open) {
         worker.open->decide(column, row, solids);
@@ -117,12 +138,13 @@ class Resolver {
         for_each_stretch(ray, grid_.layers,
                          [&](const RayStretch& stretch) { solids.set(stretch.begin, stretch.is_solid()); });
       }
-      if (!cut.empty()) cut_negative(std::span(uncut_layers).first(uncut.count()), ray, cut, grid_.layers, toggles);
+      if (!cut.empty()) cut_negative(std::span(uncut_layers).first(uncut.count()), ray, cut.all, grid_.layers, toggles);
       worker.counts.rays += ray.empty() ? 0 : 1;
       worker.counts.broken_rays += winding_sum(ray) != 0 ? 1 : 0;
       worker.counts.decided_rays += open ? 1 : 0;
       worker.counts.crowded_rays += toggles.crowded() || uncut.crowded() ? 1 : 0;
       counted[i] = static_cast<std::uint8_t>(toggles.count());
+      take_heights(std::span(layers).first(toggles.count()), ray, cut, worker.room.subspan(used));
       used += toggles.count();
     }
     return used > 0 ? store_.put(tile, counted, worker.room.first(used)) : Status{};
@@ -140,7 +162,7 @@ Expected<std::span<Worker>> make_workers(const PrintGrid& grid, const MeshField*
   PLUMBLINE_TRY(workers);
   for (Worker& worker : *workers) {
     worker = {};
-    const auto room = arena.take_top<std::uint16_t>(kRoom, kStage);
+    const auto room = arena.take_top<CrossingHeight>(kRoom, kStage);
     PLUMBLINE_TRY(room);
     worker.room = *room;
     if (field == nullptr) continue;
@@ -219,7 +241,7 @@ Expected<bool> mirror_open_underside(MeshField& field, const HitList& hits, cons
 }
 
 std::size_t resolve_bytes(std::uint32_t threads, const MeshField* field) {
-  return Arena::rounded(threads * sizeof(Worker)) + threads * (Arena::rounded(kRoom * sizeof(std::uint16_t)) +
+  return Arena::rounded(threads * sizeof(Worker)) + threads * (Arena::rounded(kRoom * sizeof(CrossingHeight)) +
                                                                (field == nullptr ? 0 : OpenRays::bytes_needed(*field)));
 }
 

@@ -30,12 +30,6 @@ inline constexpr std::int64_t kLayerSteps = std::int64_t{1} << kLayerBits;
 static_assert(std::int64_t{PrintGrid::kMaxSide} * kPixelSteps <= std::int64_t{1} << 30);
 static_assert((std::int64_t{PrintGrid::kMaxLayers} + 1) * kLayerSteps <= std::int64_t{1} << 29);
 
-/// The first layer whose sampling height is not below z steps.
-/// @param z  0 to 2^29
-constexpr std::uint32_t layer_at(std::int64_t z) {
-  return static_cast<std::uint32_t>((z + kLayerSteps / 2 - 1) >> kLayerBits);
-}
-
 /// From scan coordinates to those of the print, as in Placement: scale * rotation * p + shift.
 struct MeshTransform {
   Mat3d rotation = Mat3d::Identity();

@@ -373,7 +373,7 @@ Status read_sides(const PlacedMesh& mesh, MeshHits& found, Arena& arena, const S
   orient_shells(again->hits, shells.shells, order);
   again->hits.change_all([&](const PackedHit& hit) {
     const Shell& shell = shells.shells[hit.body()];
-    return hit.of_body(shell.body, shell.turns);
+    return again->hits.packing().of_body(hit, shell.body, shell.turns);
   });
   EdgeSum edges;
   for (const Shell& shell : shells.shells) edges.add(shell.edges, shell.turns);

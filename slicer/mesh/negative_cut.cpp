@@ -12,13 +12,14 @@ namespace {
 /// The bodies that a ray passes.
 class RayBodies {
  public:
+  explicit RayBodies(const HitPacking& packing) : packing_(packing) {}
   void count(std::span<const PackedHit> hits) {
     for (const PackedHit& hit : hits) {
-      if (Entry* const entry = find(hit.body())) entry->sum += hit.winding();
+      if (Entry* const entry = find(hit.body())) entry->sum += packing_.winding(hit);
     }
   }
   void pass(const PackedHit& hit) {
-    if (Entry* const entry = find(hit.body())) entry->winding += hit.winding();
+    if (Entry* const entry = find(hit.body())) entry->winding += packing_.winding(hit);
   }
   bool is_cut() const {
     const auto used = std::span(entries_).first(count_);
@@ -50,6 +51,7 @@ class RayBodies {
     return &entries_[count_++];
   }
 
+  HitPacking packing_;
   std::array<Entry, 64> entries_{};
   std::size_t count_ = 0;
 };
@@ -58,22 +60,24 @@ class RayBodies {
 
 void cut_negative(std::span<const std::uint16_t> solid, const RayHits& hits, std::span<const PackedHit> negative,
                   std::uint32_t layers, RayToggles& toggles) {
-  RayBodies bodies;
+  const HitPacking& packing = hits.packing;
+  RayBodies bodies(packing);
   bodies.count(hits.all);
   bodies.count(negative);
   auto solids = hits.all;
   bool is_solid = false;
   for (std::uint32_t layer = 0; layer < layers;) {
     for (; !solid.empty() && solid.front() <= layer; solid = solid.subspan(1)) is_solid = !is_solid;
-    for (; !solids.empty() && solids.front().layer() <= layer; solids = solids.subspan(1)) bodies.pass(solids.front());
-    for (; !negative.empty() && negative.front().layer() <= layer; negative = negative.subspan(1)) {
+    for (; !solids.empty() && packing.layer(solids.front()) <= layer; solids = solids.subspan(1))
+      bodies.pass(solids.front());
+    for (; !negative.empty() && packing.layer(negative.front()) <= layer; negative = negative.subspan(1)) {
       bodies.pass(negative.front());
     }
     toggles.set(layer, is_solid && !bodies.is_cut());
     layer = layers;
     if (!solid.empty()) layer = std::min<std::uint32_t>(layer, solid.front());
-    if (!solids.empty()) layer = std::min(layer, solids.front().layer());
-    if (!negative.empty()) layer = std::min(layer, negative.front().layer());
+    if (!solids.empty()) layer = std::min(layer, packing.layer(solids.front()));
+    if (!negative.empty()) layer = std::min(layer, packing.layer(negative.front()));
   }
 }
 

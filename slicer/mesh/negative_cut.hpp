@@ -16,6 +16,7 @@ namespace plumbline::inline slicer {
 /// hits but the winding number say that a place is solid, all items' negative volumes count.
 /// @param solid     layers at which the ray becomes solid, then empty, and so on
 /// @param hits      of the ray
+/// @param negative  of its negative volumes, packed as `hits`
 /// @param toggles   gets what is left
 void cut_negative(std::span<const std::uint16_t> solid, const RayHits& hits, std::span<const PackedHit> negative,
                   std::uint32_t layers, RayToggles& toggles);

@@ -25,10 +25,10 @@ struct RayStretch {
 
 inline int winding_sum(const RayHits& ray) {
   int sum = 0;
-  for (std::size_t i = 0; i < ray.size(); ++i) sum += ray.keeps(i) ? ray.all[i].winding() : 0;
+  for (std::size_t i = 0; i < ray.size(); ++i) sum += ray.keeps(i) ? ray.winding(i) : 0;
   return sum;
 }
-inline int winding_sum_of_all(const RayHits& ray) { return winding_sum({ray.all, false}); }
+inline int winding_sum_of_all(const RayHits& ray) { return winding_sum({ray.all, ray.packing}); }
 
 /// Calls visit(RayStretch) from the plate upwards, for all layers.
 template <class Visit>
@@ -38,14 +38,14 @@ void for_each_stretch(const RayHits& ray, std::uint32_t layers, Visit visit) {
   stretch.from_all_above = -winding_sum_of_all(ray);
   std::size_t i = 0;
   while (stretch.begin < layers) {
-    for (; i < ray.size() && ray.all[i].layer() <= stretch.begin; ++i) {
-      const int winding = ray.all[i].winding();
+    for (; i < ray.size() && ray.layer(i) <= stretch.begin; ++i) {
+      const int winding = ray.winding(i);
       stretch.from_all_above += winding;
       if (!ray.keeps(i)) continue;
       stretch.from_below += winding;
       stretch.from_above += winding;
     }
-    stretch.end = i < ray.size() ? std::min(ray.all[i].layer(), layers) : layers;
+    stretch.end = i < ray.size() ? std::min(ray.layer(i), layers) : layers;
     visit(stretch);
     stretch.begin = stretch.end;
   }

@@ -30,12 +30,12 @@ class RayShells {
     bool is_around() const { return sum == 0 && (before != 0 || winding != 0); }
   };
 
-  explicit RayShells(std::span<const PackedHit> hits) {
+  RayShells(std::span<const PackedHit> hits, const HitPacking& packing) {
     for (const PackedHit& hit : hits) {
       Entry* const entry = find(hit.body());
       if (entry == nullptr) return;
-      entry->sum += hit.winding();
-      entry->volume -= hit.winding() * std::int64_t{hit.layer()};
+      entry->sum += packing.winding(hit);
+      entry->volume -= packing.winding(hit) * std::int64_t{packing.layer(hit)};
     }
   }
   bool is_full() const { return full_; }
@@ -90,17 +90,18 @@ void look_around(std::span<Shell> shells, std::uint32_t looking, RayShells& ray)
 }
 
 void find_shells_around(const HitList& hits, std::span<Shell> shells) {
+  const HitPacking packing = hits.packing();
   hits.for_each_ray([&](std::span<const PackedHit> all) {
-    RayShells ray(all);
+    RayShells ray(all, packing);
     if (ray.is_full()) return;
     for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
       for (RayShells::Entry& entry : ray.entries()) {
         entry.before = entry.winding;
         entry.here = false;
       }
-      for (; end < all.size() && all[end].layer() == all[begin].layer(); ++end) {
+      for (; end < all.size() && packing.layer(all[end]) == packing.layer(all[begin]); ++end) {
         RayShells::Entry& entry = *ray.find(all[end].body());
-        entry.winding += all[end].winding();
+        entry.winding += packing.winding(all[end]);
         entry.here = true;
       }
       for (const RayShells::Entry& entry : ray.entries()) {
@@ -262,6 +263,7 @@ Expected<TriangleSides> TriangleSides::create(std::uint64_t triangles, Arena& ar
 }
 
 bool has_doubtful_sides(const HitList& hits) {
+  const HitPacking packing = hits.packing();
   bool over = false;
   bool under = false;
   std::size_t cancelled = 0;
@@ -269,7 +271,9 @@ bool has_doubtful_sides(const HitList& hits) {
     int winding = 0;
     for (std::size_t begin = 0, end = 0; begin < ray.size(); begin = end) {
       int change = 0;
-      for (; end < ray.size() && ray[end].layer() == ray[begin].layer(); ++end) change += ray[end].winding();
+      for (; end < ray.size() && packing.layer(ray[end]) == packing.layer(ray[begin]); ++end) {
+        change += packing.winding(ray[end]);
+      }
       winding += change;
       cancelled += end - begin - static_cast<std::size_t>(std::abs(change));
       over |= winding > 0;
@@ -280,8 +284,9 @@ bool has_doubtful_sides(const HitList& hits) {
 }
 
 void orient_shells(const HitList& hits, std::span<Shell> shells, std::span<std::uint32_t> order) {
+  const HitPacking packing = hits.packing();
   hits.for_each_ray([&](std::span<const PackedHit> all) {
-    RayShells ray(all);
+    RayShells ray(all, packing);
     for (const RayShells::Entry& entry : ray.entries()) {
       if (entry.sum == 0 && !ray.is_full()) shells[entry.shell].volume += entry.volume;
     }

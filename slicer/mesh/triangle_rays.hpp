@@ -8,14 +8,15 @@
 
 #include "slicer/core/print_grid.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
+#include "slicer/rrep/rrep.hpp"
 
 namespace plumbline::inline slicer {
 
 /// A ray passes a triangle.
 struct RayHit {
   std::uint32_t column = 0, row = 0;
-  std::uint32_t layer = 0;  ///< the first whose sampling height is not below the hit; grid.layers: above all of them
-  bool entering = false;    ///< the triangle faces down
+  CrossingHeight height;  ///< layer grid.layers: above all sampling heights
+  bool entering = false;  ///< the triangle faces down
 };
 
 /// Twice the signed area of the triangle (a, b, p) in the plane of the plate, as a function of p:
@@ -63,20 +64,25 @@ inline int height_sign(const std::array<std::int64_t, 3>& w, const std::array<st
   return high < 0 ? -1 : high == 0 && low == 0 ? 0 : 1;
 }
 
-/// The layer of the point with weights w_i >= 0, whose sum is `area`.
-inline std::uint32_t layer_of_hit(const std::array<std::int64_t, 3>& w, const std::array<std::int64_t, 3>& z,
-                                  std::int64_t area) {
+/// The height of the point with weights w_i >= 0, whose sum is 1 / `scale` in units of a layer.
+inline CrossingHeight height_of_hit(const std::array<std::int64_t, 3>& w, const std::array<std::int64_t, 3>& z,
+                                    double scale) {
   // All terms are positive, so the estimate is good to 2^-50 of 2^29 steps: to 2^-34 layers. Only closer than kSure to a sampling
   // height it can't decide, and whole numbers do.
   constexpr double kSure = 1.0 / (1 << 20);
   double height = 0;
   for (std::size_t i = 0; i < 3; ++i) height += static_cast<double>(w[i]) * static_cast<double>(z[i]);
-  const double above = height / static_cast<double>(area) / static_cast<double>(kLayerSteps) - 0.5;  // layers
+  const double above = height * scale - 0.5;  // layers above the first sampling height
   const double nearest = std::floor(above + 0.5);
-  if (std::abs(above - nearest) > kSure) return static_cast<std::uint32_t>(std::max(0.0, std::ceil(above)));
-  const auto layer = static_cast<std::int64_t>(nearest);
-  const std::int64_t sampled = layer * kLayerSteps + kLayerSteps / 2;
-  return static_cast<std::uint32_t>(std::max<std::int64_t>(0, height_sign(w, z, sampled) > 0 ? layer + 1 : layer));
+  auto layer = static_cast<std::int64_t>(std::ceil(above));
+  if (std::abs(above - nearest) <= kSure) {
+    layer = static_cast<std::int64_t>(nearest);
+    if (height_sign(w, z, layer * kLayerSteps + kLayerSteps / 2) > 0) ++layer;
+  }
+  layer = std::max<std::int64_t>(layer, 0);
+  const double part = (above - static_cast<double>(layer - 1)) * CrossingHeight::kParts;
+  return CrossingHeight(static_cast<std::uint32_t>(layer),
+                        static_cast<std::uint32_t>(std::clamp(part, 0.0, CrossingHeight::kParts - 1.0)));
 }
 
 /// Calls visit(RayHit) for each ray that passes a triangle, row by row. Rays that are parallel to it don't pass it.
@@ -105,15 +111,20 @@ void for_each_hit(const LatticeTriangle& corners, const PrintGrid& grid, Visit v
     std::swap(b, c);
     area = -area;
   }
+  // From the least corner on, so that heights round alike whichever corner a file names first.
+  while (b < a || c < a) {
+    std::swap(a, b);
+    std::swap(b, c);
+  }
   const std::array<EdgeFunction, 3> edge = {EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b)};
   const std::array<std::int64_t, 3> least = {edge[0].least(), edge[1].least(), edge[2].least()};
   const std::array<std::int64_t, 3> z = {a.z, b.z, c.z};
-  const std::uint32_t lowest = layer_at(std::min({a.z, b.z, c.z}));
-  const bool level = lowest == layer_at(std::max({a.z, b.z, c.z}));
+  const double scale = 1 / (static_cast<double>(area) * static_cast<double>(kLayerSteps));
   const auto pass = [&](std::int64_t column, std::int64_t row, const std::array<std::int64_t, 3>& w) {
     hit.column = static_cast<std::uint32_t>(column);
     hit.row = static_cast<std::uint32_t>(row);
-    hit.layer = std::min(level ? lowest : layer_of_hit(w, z, area), grid.layers);
+    hit.height = height_of_hit(w, z, scale);
+    if (hit.height.layer() > grid.layers) hit.height = CrossingHeight(grid.layers);
     visit(hit);
   };
 

@@ -10,23 +10,23 @@
 namespace plumbline::inline slicer {
 namespace {
 
-/// Turns the crossings of one ray into layers. Neighbours with no sampling height between them cancel in pairs.
+/// Takes the heights of the crossings of one ray. Neighbours with no sampling height between them cancel in pairs.
 /// @param evidence  out, of each crossing that is left; room for RayClassifier::kMaxCrossings
 /// @returns how many are left
-std::uint32_t to_layers(std::span<const RayCrossing> crossings, const PrintGrid& grid, std::uint16_t* out,
-                        Evidence* evidence) {
+std::uint32_t take_heights(std::span<const RayCrossing> crossings, const PrintGrid& grid, CrossingHeight* out,
+                           Evidence* evidence) {
   std::uint32_t count = 0;
   for (const RayCrossing& crossing : crossings) {
-    const std::uint32_t layer = layer_of(crossing.depth, grid);
-    if (count > 0 && out[count - 1] == layer) {
+    const CrossingHeight height = height_of(crossing.depth, grid);
+    if (count > 0 && out[count - 1].layer() == height.layer()) {
       --count;
     } else {
       evidence[count] = crossing.evidence;
-      out[count++] = static_cast<std::uint16_t>(layer);
+      out[count++] = height;
     }
   }
   // A crossing above the last sampling height has no effect.
-  if (count > 0 && out[count - 1] >= grid.layers) --count;
+  if (count > 0 && out[count - 1].layer() >= grid.layers) --count;
   return count;
 }
 
@@ -34,11 +34,11 @@ std::uint32_t to_layers(std::span<const RayCrossing> crossings, const PrintGrid&
 struct Worker {
   RayClassifier classifier;
   RayLattice lattice;
-  std::span<std::uint16_t> layers;
+  std::span<CrossingHeight> heights;
   RayCounts counts;
 };
 
-constexpr std::size_t kMostLayers = std::size_t{kRaysPerTile} * RayClassifier::kMaxCrossings;  ///< of a tile
+constexpr std::size_t kMostHeights = std::size_t{kRaysPerTile} * RayClassifier::kMaxCrossings;  ///< of a tile
 
 Status shoot_tile(const RayField& field, const Box3f& bounds, std::uint32_t tile, Worker& worker,
                   ConfidenceMap* confidence, CrossingStore& store) {
@@ -74,9 +74,9 @@ Status shoot_tile(const RayField& field, const Box3f& bounds, std::uint32_t tile
       const ClassifiedRay ray = whole && known.known
                                     ? ClassifiedRay{std::span(known.crossing).first(known.count), known.decision}
                                     : worker.classifier.ray(column + c, row + r);
-      const std::uint32_t n = to_layers(ray.crossings, grid, &worker.layers[used], evidence.data());
+      const std::uint32_t n = take_heights(ray.crossings, grid, &worker.heights[used], evidence.data());
       for (std::uint32_t i = 0; confidence != nullptr && i < n; ++i) {
-        confidence->add(column + c, row + r, worker.layers[used + i], evidence[i]);
+        confidence->add(column + c, row + r, worker.heights[used + i].layer(), evidence[i]);
       }
       counts[at] = static_cast<std::uint8_t>(n);
       used += n;
@@ -84,14 +84,14 @@ Status shoot_tile(const RayField& field, const Box3f& bounds, std::uint32_t tile
       ++total.decided[static_cast<std::size_t>(ray.decision)];
     }
   }
-  return used > 0 ? store.put(tile, counts, worker.layers.first(used)) : Status{};
+  return used > 0 ? store.put(tile, counts, worker.heights.first(used)) : Status{};
 }
 
 }  // namespace
 
 std::size_t ray_worker_bytes(std::uint32_t tile_capacity) {
   return sizeof(Worker) + RayClassifier::bytes_needed(tile_capacity) +
-         Arena::rounded(kMostLayers * sizeof(std::uint16_t));
+         Arena::rounded(kMostHeights * sizeof(CrossingHeight));
 }
 
 Expected<CrossingStore> shoot_all_rays(const RayField& field, float tolerance, ConfidenceMap* confidence,
@@ -103,7 +103,7 @@ Expected<CrossingStore> shoot_all_rays(const RayField& field, float tolerance, C
     const auto classifier = RayClassifier::create(field, arena);
     PLUMBLINE_TRY(classifier);
     worker = {*classifier, RayLattice(tolerance), {}, {}};
-    PLUMBLINE_TRY(arena.take_top(worker.layers, kMostLayers, "rays"));
+    PLUMBLINE_TRY(arena.take_top(worker.heights, kMostHeights, "rays"));
   }
   auto store = CrossingStore::create(field.grid, arena);
   PLUMBLINE_TRY(store);

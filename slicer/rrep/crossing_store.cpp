@@ -10,9 +10,12 @@
 
 namespace plumbline::inline slicer {
 
-std::uint32_t layer_of(float depth, const PrintGrid& grid) {
-  const float k = std::ceil(depth / grid.layer_height_mm - 0.5F);
-  return static_cast<std::uint32_t>(std::clamp(k, 0.0F, static_cast<float>(grid.layers)));
+CrossingHeight height_of(float depth, const PrintGrid& grid) {
+  const float above = depth / grid.layer_height_mm - 0.5F;
+  const float k = std::ceil(above);
+  const float part = std::ceil((above - k + 1) * CrossingHeight::kParts) - 1;
+  return CrossingHeight(static_cast<std::uint32_t>(std::clamp(k, 0.0F, static_cast<float>(grid.layers))),
+                        k < 0 ? 0 : static_cast<std::uint32_t>(std::clamp(part, 0.0F, CrossingHeight::kParts - 1.0F)));
 }
 
 Expected<CrossingStore> CrossingStore::create(const PrintGrid& grid, Arena& arena) {
@@ -24,14 +27,14 @@ Expected<CrossingStore> CrossingStore::create(const PrintGrid& grid, Arena& aren
   PLUMBLINE_TRY(arena.take_bottom(store.directory_, std::size_t{store.tile_columns_} * store.tile_rows_, "R-Rep"));
   std::fill(store.directory_.begin(), store.directory_.end(), kEmpty);
   const std::span<std::byte> room = arena.free_room();
-  store.data_ = {reinterpret_cast<std::uint16_t*>(room.data()),
-                 std::min<std::size_t>(room.size() / sizeof(std::uint16_t), kEmpty - 1)};
+  store.data_ = {reinterpret_cast<CrossingHeight*>(room.data()),
+                 std::min<std::size_t>(room.size() / sizeof(CrossingHeight), kEmpty - 1)};
   return store;
 }
 
 Status CrossingStore::put(std::uint32_t tile, std::span<const std::uint8_t> counts,
-                          std::span<const std::uint16_t> layers) {
-  const auto need = static_cast<std::uint32_t>(kRaysPerTile / 2 + layers.size());
+                          std::span<const CrossingHeight> heights) {
+  const auto need = static_cast<std::uint32_t>(kCountUnits + heights.size());
   const std::uint32_t at = std::atomic_ref(used_).fetch_add(need, std::memory_order_relaxed);
   if (std::uint64_t{at} + need > data_.size()) {
     return fail(
@@ -41,7 +44,7 @@ Status CrossingStore::put(std::uint32_t tile, std::span<const std::uint8_t> coun
         mib(data_.size_bytes()));
   }
   std::memcpy(&data_[at], counts.data(), kRaysPerTile);
-  std::copy(layers.begin(), layers.end(), data_.begin() + at + kRaysPerTile / 2);
+  std::copy(heights.begin(), heights.end(), data_.begin() + at + kCountUnits);
   directory_[tile] = at;
   return {};
 }
@@ -54,26 +57,26 @@ Expected<CrossingStore::RowRoom> CrossingStore::take_row_room(Arena& arena) cons
   return room;
 }
 
-std::span<const std::uint16_t> CrossingStore::ray(std::uint32_t column, std::uint32_t row) const {
+std::span<const CrossingHeight> CrossingStore::ray(std::uint32_t column, std::uint32_t row) const {
   const std::uint32_t at = directory_[row / kTileSide * tile_columns_ + column / kTileSide];
   if (at == kEmpty) return {};
   const auto* const counts = reinterpret_cast<const std::uint8_t*>(&data_[at]);
   const std::uint32_t number = row % kTileSide * kTileSide + column % kTileSide;
   const std::uint32_t before = std::accumulate(counts, counts + number, 0U);
-  return data_.subspan(at + kRaysPerTile / 2 + before, counts[number]);
+  return data_.subspan(at + kCountUnits + before, counts[number]);
 }
 
 std::uint32_t CrossingStore::crossings() const {
   const auto empty = static_cast<std::size_t>(std::count(directory_.begin(), directory_.end(), kEmpty));
-  return used_ - static_cast<std::uint32_t>((directory_.size() - empty) * kRaysPerTile / 2);
+  return used_ - static_cast<std::uint32_t>((directory_.size() - empty) * kCountUnits);
 }
 
 Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = store.grid_;
   // The R-Rep stays until the print ends, so it belongs at the bottom: move the store out of its way.
-  std::span<std::uint16_t> data;
-  std::span<std::uint32_t> directory, first, pixel;
+  std::span<CrossingHeight> data;
+  std::span<std::uint32_t> directory, first, packed;
   PLUMBLINE_TRY(arena.take_top(data, store.used_, "R-Rep"));
   PLUMBLINE_TRY(arena.take_top(directory, store.directory_.size(), "R-Rep"));
   const auto room = store.take_row_room(arena);
@@ -92,26 +95,29 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
       if (crossings.empty()) continue;
       // Layers where the ray leaves minus those where it enters. One that does not leave goes on to the top.
       std::uint32_t inside = 0;
-      for (const std::uint16_t layer : crossings) {
-        ++first[layer + std::size_t{1}];
-        inside = layer - inside;
+      for (const CrossingHeight height : crossings) {
+        ++first[height.layer() + std::size_t{1}];
+        inside = height.layer() - inside;
       }
       store.section_pixels_ += crossings.size() % 2 == 0 ? inside : grid.layers - inside;
     }
   });
   for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
-  PLUMBLINE_TRY(arena.take_bottom(pixel, first.back(), "R-Rep"));
+  PLUMBLINE_TRY(arena.take_bottom(packed, first.back(), "R-Rep"));
+  const CrossingPacking packing(grid);
   // first[k] is where the layer's next crossing goes; after the last one it has become first[k + 1].
   store.for_each_row(*room, [&](std::uint32_t row, std::span<const RayRef> rays) {
     std::uint32_t at = row * grid.columns;
     for (const RayRef& ray : rays) {
-      for (const std::uint16_t layer : ray.crossings()) pixel[first[layer]++] = at;
+      for (const CrossingHeight height : ray.crossings()) {
+        packed[first[height.layer()]++] = packing.packed(at, height.part());
+      }
       ++at;
     }
   });
   for (std::size_t k = first.size() - 1; k > 0; --k) first[k] = first[k - 1];
   first[0] = 0;
-  return RRep{.grid = grid, .first = first, .pixel = pixel};
+  return RRep{.grid = grid, .first = first, .packed = packed};
 }
 
 }  // namespace plumbline::inline slicer

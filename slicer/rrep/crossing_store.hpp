@@ -12,16 +12,12 @@
 
 namespace plumbline::inline slicer {
 
-/// The layer of a crossing at this depth: the first whose sampling height is not below it.
-/// @param depth  mm; below 0 counts as layer 0
-/// @returns 0 to grid.layers; grid.layers means above all sampling heights
-std::uint32_t layer_of(float depth, const PrintGrid& grid);
-
-/// Crossings in the order in which the rays deliver them: per tile 64 counts of one byte, then two bytes a crossing. Tiles are
+/// Crossings in the order in which the rays deliver them: per tile 64 counts of one byte, then the height of each crossing. Tiles are
 /// stored at the bottom of the arena in the order in which the threads finish; a directory says where each begins.
 class CrossingStore {
  public:
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
+  static constexpr std::uint32_t kCountUnits = kRaysPerTile / sizeof(CrossingHeight);  ///< room of a tile's counts
 
   /// Takes the directory. Until close() the crossings use all that is left of the arena, from which nothing must be taken.
   /// @retval ErrorCode::kOutOfMemory
@@ -32,17 +28,17 @@ class CrossingStore {
 
   /// Stores a tile. Thread-safe; call it once a tile.
   /// @param counts  number of crossings of each of its 64 rays, row by row
-  /// @param layers  the layer of each crossing, ray after ray
+  /// @param heights  of the crossings, ray after ray, upwards
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] Status put(std::uint32_t tile, std::span<const std::uint8_t> counts,
-                           std::span<const std::uint16_t> layers);
+                           std::span<const CrossingHeight> heights);
 
   const PrintGrid& grid() const { return grid_; }
 
   /// The crossings of one ray. They may be rewritten, but not become more.
   class RayRef {
    public:
-    std::span<const std::uint16_t> crossings() const { return {read_, *count_}; }
+    std::span<const CrossingHeight> crossings() const { return {read_, *count_}; }
     /// Leaves the crossings for whose number keeps() is true.
     template <class Keeps>
     void rewrite(Keeps keeps) {
@@ -58,14 +54,14 @@ class CrossingStore {
    private:
     friend class CrossingStore;
     std::uint8_t* count_ = nullptr;
-    const std::uint16_t* read_ = nullptr;
-    std::uint16_t** write_ = nullptr;  ///< where the next crossing of the tile is written
+    const CrossingHeight* read_ = nullptr;
+    CrossingHeight** write_ = nullptr;  ///< where the next crossing of the tile is written
   };
 
   /// Work space of for_each_row().
   struct RowRoom {
     std::span<RayRef> rays;
-    std::span<std::uint16_t*> reads, writes;  ///< of each tile
+    std::span<CrossingHeight*> reads, writes;  ///< of each tile
   };
   static std::size_t row_room_bytes(const PrintGrid& grid) {
     return grid.columns * (sizeof(RayRef) + 2 * sizeof(void*));
@@ -80,9 +76,9 @@ class CrossingStore {
   void for_each_row(const RowRoom& room, Visit visit);
 
   /// The crossings of the ray of a pixel.
-  std::span<const std::uint16_t> ray(std::uint32_t column, std::uint32_t row) const;
+  std::span<const CrossingHeight> ray(std::uint32_t column, std::uint32_t row) const;
 
-  std::size_t bytes() const { return directory_.size_bytes() + std::size_t{used_} * sizeof(std::uint16_t); }
+  std::size_t bytes() const { return directory_.size_bytes() + std::size_t{used_} * sizeof(CrossingHeight); }
   std::uint32_t crossings() const;  ///< of all rays
 
   /// Takes the memory that the crossings use. Call it after the last put().
@@ -101,8 +97,8 @@ class CrossingStore {
   std::uint32_t tile_columns_ = 0;
   std::uint32_t tile_rows_ = 0;
   std::size_t bottom_mark_ = 0;
-  std::span<std::uint32_t> directory_;  ///< where each tile begins, in units of 2 bytes
-  std::span<std::uint16_t> data_;
+  std::span<std::uint32_t> directory_;  ///< where each tile begins, in units of a height
+  std::span<CrossingHeight> data_;
   std::uint32_t used_ = 0;  ///< of data_
   std::uint64_t section_pixels_ = 0;
 };
@@ -115,8 +111,7 @@ void CrossingStore::for_each_row(const RowRoom& room, Visit visit) {
     if (std::ranges::all_of(directory, [](std::uint32_t at) { return at == kEmpty; })) continue;
     for (std::uint32_t t = 0; t < tile_columns_; ++t) {
       // The end of data_ if the last tile has no crossings.
-      room.reads[t] = room.writes[t] =
-          directory[t] == kEmpty ? nullptr : data_.data() + directory[t] + kRaysPerTile / 2;
+      room.reads[t] = room.writes[t] = directory[t] == kEmpty ? nullptr : data_.data() + directory[t] + kCountUnits;
     }
     for (std::uint32_t r = 0; r < kTileSide && tile_row * kTileSide + r < grid_.rows; ++r) {
       for (std::uint32_t c = 0; c < grid_.columns; ++c) {

@@ -22,17 +22,19 @@ void MaskExtent::hold(ConstBitImage mask) {
 
 MaskExtent extent_of(const RRep& rrep) {
   const std::uint32_t columns = rrep.grid.columns;
+  const CrossingPacking packing(rrep.grid);
   MaskExtent extent;
   for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) {
     std::uint32_t row = 0;
     std::uint32_t row_start = 0;
     for (std::uint32_t i = rrep.first[k]; i < rrep.first[k + 1]; ++i) {
-      while (rrep.pixel[i] - row_start >= columns) {  // pixels ascend: no division
+      const std::uint32_t pixel = packing.pixel(rrep.packed[i]);
+      while (pixel - row_start >= columns) {  // pixels ascend: no division
         row_start += columns;
         ++row;
       }
-      extent.left = std::min(extent.left, rrep.pixel[i] - row_start);
-      extent.right = std::max(extent.right, rrep.pixel[i] - row_start + 1);
+      extent.left = std::min(extent.left, pixel - row_start);
+      extent.right = std::max(extent.right, pixel - row_start + 1);
       extent.top = std::min(extent.top, row);
       extent.bottom = std::max(extent.bottom, row + 1);
     }

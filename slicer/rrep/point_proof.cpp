@@ -57,8 +57,9 @@ class Prover {
       return {};
     }
     RayLook found;
-    for (const std::uint16_t layer : store_.ray(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row))) {
-      const float height = static_cast<float>(layer) * grid_.layer_height_mm;
+    for (const CrossingHeight crossing :
+         store_.ray(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row))) {
+      const float height = static_cast<float>(crossing.layer()) * grid_.layer_height_mm;
       if (height <= z) found.solid = !found.solid;
       found.nearest = std::min(found.nearest, std::abs(height - z));
     }

@@ -20,7 +20,7 @@ namespace plumbline::firmware::fuzz {
 namespace {
 
 constexpr std::uint32_t kFirst[] = {0, 2, 2, 5};
-constexpr std::uint32_t kPixel[] = {1, 3, 1, 3, 7};
+constexpr std::uint32_t kPacked[] = {1, 3, 1, 3, 7};
 constexpr Strut kSupports[] = {
     {.column0 = 1, .row0 = 1, .column1 = 1, .row1 = 1, .first = 0, .end = 3, .radius0 = 500, .radius1 = 200},
     {.column0 = 3, .row0 = 0, .column1 = 3, .row1 = 1, .first = 1, .end = 2, .radius0 = 200, .radius1 = 200}};
@@ -55,7 +55,7 @@ const std::vector<std::byte>& whole() {
     facts.scan = short_name("bust.ply");
     facts.print_id = 11;
     facts.contract.plan.layers = 3;
-    const RRep rrep{.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .pixel = kPixel};
+    const RRep rrep{.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .packed = kPacked};
     const Supports supports{.list = kSupports, .pitch = PixelPitch(rrep.grid)};
     MemoryFile file;
     std::uint64_t hash = 0;
@@ -89,7 +89,7 @@ void check(const std::vector<std::byte>& bytes, bool forged) {
   require(job->facts.file_count <= job->facts.files.size(), "more files than there is room for");
   if (forged) return;
   require(view(job->facts.scan) == "bust.ply" && job->facts.print_id == 11, "other facts than were stored");
-  require(same<std::uint32_t>(job->parts.rrep.first, kFirst) && same<std::uint32_t>(job->parts.rrep.pixel, kPixel),
+  require(same<std::uint32_t>(job->parts.rrep.first, kFirst) && same<std::uint32_t>(job->parts.rrep.packed, kPacked),
           "another R-Rep than was stored");
   require(same<Strut>(job->parts.supports.list, kSupports), "other supports than were stored");
 }

@@ -67,12 +67,14 @@ std::uint64_t read_it(std::string_view bytes, const char* name, bool whole) {
 void check_crossings(const RRep& rrep) {
   const PrintGrid& grid = rrep.grid;
   require(rrep.first.size() == std::size_t{grid.layers} + 1, "an entry for each layer and the end");
-  require(rrep.first.front() == 0 && rrep.first.back() == rrep.pixel.size(), "the layers hold all crossings");
+  require(rrep.first.front() == 0 && rrep.first.back() == rrep.packed.size(), "the layers hold all crossings");
+  const CrossingPacking packing(grid);
   for (std::uint32_t k = 0; k < grid.layers; ++k) {
     require(rrep.first[k] <= rrep.first[k + 1], "layers in order");
     for (std::uint32_t i = rrep.first[k]; i < rrep.first[k + 1]; ++i) {
-      require(rrep.pixel[i] < grid.columns * grid.rows, "a crossing outside of the grid");
-      require(i == rrep.first[k] || rrep.pixel[i - 1] < rrep.pixel[i], "a pixel twice in a layer, or out of order");
+      require(packing.pixel(rrep.packed[i]) < grid.columns * grid.rows, "a crossing outside of the grid");
+      require(i == rrep.first[k] || packing.pixel(rrep.packed[i - 1]) < packing.pixel(rrep.packed[i]),
+              "a pixel twice in a layer, or out of order");
     }
   }
 }
@@ -98,7 +100,7 @@ std::uint64_t slice_it(std::string_view bytes, const char* name, std::uint8_t op
   }
   check_crossings(*rrep);
   std::uint64_t hash = rrep->grid.layers;
-  for (const std::uint32_t pixel : rrep->pixel) hash = (hash ^ pixel) * 1099511628211U;
+  for (const std::uint32_t pixel : rrep->packed) hash = (hash ^ packed) * 1099511628211U;
   if (report.mesh && report.mesh->closed) {
     require(report.mesh->broken_rays == 0, "a ray leaves a closed mesh more often than it enters");
   }

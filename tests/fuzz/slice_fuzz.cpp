@@ -107,13 +107,15 @@ void check_crossings(const RRep& rrep) {
   require(grid.rows >= 1 && grid.rows <= PrintGrid::kMaxSide, "rows");
   require(grid.layers >= 1 && grid.layers <= PrintGrid::kMaxLayers, "layers");
   require(rrep.first.size() == std::size_t{grid.layers} + 1, "an entry for each layer and the end");
-  require(rrep.first.front() == 0 && rrep.first.back() == rrep.pixel.size(), "the layers hold all crossings");
+  require(rrep.first.front() == 0 && rrep.first.back() == rrep.packed.size(), "the layers hold all crossings");
   const std::uint32_t pixels = grid.columns * grid.rows;
+  const CrossingPacking packing(grid);
   for (std::uint32_t k = 0; k < grid.layers; ++k) {
     require(rrep.first[k] <= rrep.first[k + 1], "layers in order");
     for (std::uint32_t i = rrep.first[k]; i < rrep.first[k + 1]; ++i) {
-      require(rrep.pixel[i] < pixels, "a crossing outside of the grid");
-      require(i == rrep.first[k] || rrep.pixel[i - 1] < rrep.pixel[i], "a pixel twice in a layer, or out of order");
+      require(packing.pixel(rrep.packed[i]) < pixels, "a crossing outside of the grid");
+      require(i == rrep.first[k] || packing.pixel(rrep.packed[i - 1]) < packing.pixel(rrep.packed[i]),
+              "a pixel twice in a layer, or out of order");
     }
   }
 }
@@ -132,13 +134,14 @@ std::uint64_t check_masks(const RRep& rrep, Fingerprint& all) {
   Arena arena(block_of(LayerStream::bytes_needed(grid) + Arena::kAlignment, std::byte{0x3C}));
   auto stream = LayerStream::create(rrep, arena);
   require(stream.has_value(), "no room for a layer stream");
+  const CrossingPacking packing(grid);
   Image section(grid);
   Image mask(grid);
   std::uint64_t pixels = 0;
   for (std::uint32_t k = 0; k < grid.layers; ++k) {
     for (std::uint32_t i = rrep.first[k]; i < rrep.first[k + 1]; ++i) {
-      const std::uint32_t column = rrep.pixel[i] % grid.columns;
-      section.view.row(rrep.pixel[i] / grid.columns)[column / 64] ^= std::uint64_t{1} << (column % 64);
+      const std::uint32_t column = packing.pixel(rrep.packed[i]) % grid.columns;
+      section.view.row(packing.pixel(rrep.packed[i]) / grid.columns)[column / 64] ^= std::uint64_t{1} << (column % 64);
     }
     for (std::uint32_t s = 0; s < 2 * mask.view.stride(); ++s)
       open_and_close_rows(section.view, mask.view, s, 0, grid.rows);
@@ -183,7 +186,7 @@ std::uint64_t run(const CloudInput& job, const std::vector<std::string>& files, 
   require(report.placement.transform().allFinite(), "placed nowhere");
   check_crossings(*rrep);
   outcome.add(rrep->first);
-  outcome.add(rrep->pixel);
+  outcome.add(rrep->packed);
   const std::uint64_t pixels = check_masks(*rrep, outcome);
   if (report.object_pixels) require(*report.object_pixels == pixels, "other pixels were counted");
   return outcome.value();

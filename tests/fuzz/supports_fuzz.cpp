@@ -90,25 +90,25 @@ Job decode(Input input) {
 /// The R-Rep of the voxels at the bottom of an arena, by its definition.
 RRep rrep_of(const Job& job, Arena& arena) {
   std::vector<std::uint32_t> first;
-  std::vector<std::uint32_t> pixel;
+  std::vector<std::uint32_t> packed;
   const PrintGrid& grid = job.grid;
   for (std::uint32_t k = 0; k < grid.layers; ++k) {
-    first.push_back(static_cast<std::uint32_t>(pixel.size()));
+    first.push_back(static_cast<std::uint32_t>(packed.size()));
     for (std::uint32_t p = 0; p < grid.columns * grid.rows; ++p) {
       const std::uint32_t c = p % grid.columns;
       const std::uint32_t r = p / grid.columns;
-      if (job.at(c, r, k) != (k > 0 && job.at(c, r, k - 1))) pixel.push_back(p);
+      if (job.at(c, r, k) != (k > 0 && job.at(c, r, k - 1))) packed.push_back(CrossingPacking(grid).packed(p));
     }
   }
-  first.push_back(static_cast<std::uint32_t>(pixel.size()));
+  first.push_back(static_cast<std::uint32_t>(packed.size()));
   RRep rrep{grid, {}, {}, job.is_exact};
   const auto first_there = arena.take_bottom<std::uint32_t>(first.size(), "fuzzing");
-  const auto pixel_there = arena.take_bottom<std::uint32_t>(pixel.size(), "fuzzing");
-  if (!first_there || !pixel_there) return rrep;
+  const auto packed_there = arena.take_bottom<std::uint32_t>(packed.size(), "fuzzing");
+  if (!first_there || !packed_there) return rrep;
   std::ranges::copy(first, first_there->begin());
-  std::ranges::copy(pixel, pixel_there->begin());
+  std::ranges::copy(packed, packed_there->begin());
   rrep.first = *first_there;
-  rrep.pixel = *pixel_there;
+  rrep.packed = *packed_there;
   return rrep;
 }
 

@@ -37,13 +37,15 @@ class TowerRRep {
  public:
   explicit TowerRRep(std::uint32_t layers) {
     first_.push_back(0);
+    const CrossingPacking packing({.columns = kRigColumns, .rows = kRigRows});
     for (std::uint32_t layer = 0; layer < layers; ++layer) {
       for (std::uint32_t y = 0; y < kRigRows; ++y) {
         for (std::uint32_t x = 0; x < kRigColumns; ++x) {
-          if (in_tower(x, y, layer) != (layer > 0 && in_tower(x, y, layer - 1))) pixel_.push_back(y * kRigColumns + x);
+          if (in_tower(x, y, layer) != (layer > 0 && in_tower(x, y, layer - 1)))
+            packed_.push_back(packing.packed(y * kRigColumns + x));
         }
       }
-      first_.push_back(static_cast<std::uint32_t>(pixel_.size()));
+      first_.push_back(static_cast<std::uint32_t>(packed_.size()));
     }
     const auto pitch = static_cast<float>(kRigPitchMm);
     rrep_ = {.grid = {.columns = kRigColumns,
@@ -53,7 +55,7 @@ class TowerRRep {
                       .pitch_y_mm = pitch,
                       .layer_height_mm = 0.05F},
              .first = first_,
-             .pixel = pixel_};
+             .packed = packed_};
   }
   const RRep& rrep() const { return rrep_; }
   /// Of all masks together.
@@ -69,7 +71,7 @@ class TowerRRep {
 
  private:
   std::vector<std::uint32_t> first_;
-  std::vector<std::uint32_t> pixel_;
+  std::vector<std::uint32_t> packed_;
   RRep rrep_;
 };
 

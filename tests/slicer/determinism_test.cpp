@@ -43,7 +43,7 @@ TEST(Determinism, TheRRepIsTheSameForAnyNumberOfThreads) {
     settings.threads = threads;
     const Slicing many(scan, settings, 64 * kMiB);
     EXPECT_TRUE(std::ranges::equal(many.rrep().first, one.rrep().first)) << threads;
-    EXPECT_TRUE(std::ranges::equal(many.rrep().pixel, one.rrep().pixel)) << threads;
+    EXPECT_TRUE(std::ranges::equal(many.rrep().packed, one.rrep().packed)) << threads;
     EXPECT_EQ(many.report().clustering.points, one.report().clustering.points) << threads;
     EXPECT_EQ(many.report().clustering.core_points, one.report().clustering.core_points) << threads;
     EXPECT_EQ(many.report().lengths.noise.value, one.report().lengths.noise.value) << threads;
@@ -61,7 +61,7 @@ TEST(Determinism, TheRRepIsTheSameInALargerArenaIfNothingIsThinned) {
   const Slicing large(scan, settings, 200 * kMiB);
   ASSERT_EQ(small.report().cloud_points, large.report().cloud_points);
   EXPECT_TRUE(std::ranges::equal(small.rrep().first, large.rrep().first));
-  EXPECT_TRUE(std::ranges::equal(small.rrep().pixel, large.rrep().pixel));
+  EXPECT_TRUE(std::ranges::equal(small.rrep().packed, large.rrep().packed));
 }
 
 }  // namespace

@@ -38,8 +38,8 @@ TEST(ReadTwice, ScansThroughAPipeGiveTheSameCrossings) {
     MemorySource source(bytes, name);
     source.be_a_pipe();
     const Slicing pipe(source, settings, 32 * kMiB);
-    EXPECT_TRUE(std::ranges::equal(file.rrep().pixel, pipe.rrep().pixel)) << name;
-    EXPECT_GT(file.rrep().pixel.size(), 1000U) << name;
+    EXPECT_TRUE(std::ranges::equal(file.rrep().packed, pipe.rrep().packed)) << name;
+    EXPECT_GT(file.rrep().packed.size(), 1000U) << name;
     const double volume = 4.0 / 3 * 3.14159265358979 * 125;
     EXPECT_NEAR(file.volume() / volume, 1, 0.02) << name;
   }

@@ -27,9 +27,11 @@ void expect_every_ray_closed(const Slicing& sliced) {
   EXPECT_EQ(odd, white_at_the_top);
   for (std::uint32_t k = 0; k < sliced.grid().layers; ++k) {
     const auto layer =
-        sliced.rrep().pixel.subspan(sliced.rrep().first[k], sliced.rrep().first[k + 1] - sliced.rrep().first[k]);
+        sliced.rrep().packed.subspan(sliced.rrep().first[k], sliced.rrep().first[k + 1] - sliced.rrep().first[k]);
     ASSERT_TRUE(std::ranges::is_sorted(layer));
-    ASSERT_EQ(std::ranges::adjacent_find(layer), layer.end()) << "a pixel twice in layer " << k;
+    const CrossingPacking packing(sliced.grid());
+    const auto pixel = [&](std::uint32_t packed) { return packing.pixel(packed); };
+    ASSERT_EQ(std::ranges::adjacent_find(layer, {}, pixel), layer.end()) << "a pixel twice in layer " << k;
   }
 }
 

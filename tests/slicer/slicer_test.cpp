@@ -237,7 +237,7 @@ TEST(Slice, LeavesOnlyTheRRepAndItsProofInTheArena) {
   EXPECT_EQ(sliced.arena().top_used(), 0U);
   EXPECT_EQ(sliced.arena().bottom_used(), proof_bytes(sliced.report().cloud_points) +
                                               Arena::rounded(rrep.first.size_bytes()) +
-                                              Arena::rounded(rrep.pixel.size_bytes()));
+                                              Arena::rounded(rrep.packed.size_bytes()));
 }
 
 TEST(Slice, SaysWhenPointsHaveNoSurface) {

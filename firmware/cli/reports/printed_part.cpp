@@ -18,11 +18,12 @@ namespace {
 /// The cured part as an R-Rep: the pixels that differ from the layer below.
 struct PartRRep {
   std::vector<std::uint32_t> first{0};
-  std::vector<std::uint32_t> pixel;
+  std::vector<std::uint32_t> packed;
   std::vector<std::uint64_t> below;
 
   void add(ConstBitImage layer) {
     below.resize(layer.words().size());
+    const CrossingPacking packing({.columns = layer.columns(), .rows = layer.rows()});
     for (std::uint32_t r = 0; r < layer.rows(); ++r) {
       const auto words = layer.row(r);
       for (std::size_t w = 0; w < words.size(); ++w) {
@@ -30,12 +31,12 @@ struct PartRRep {
         for (std::uint64_t changed = words[w] ^ before; changed != 0; changed &= changed - 1) {
           const auto column =
               static_cast<std::uint32_t>(w * 64) + static_cast<std::uint32_t>(std::countr_zero(changed));
-          pixel.push_back(r * layer.columns() + column);
+          packed.push_back(packing.packed(r * layer.columns() + column));
         }
         before = words[w];
       }
     }
-    first.push_back(static_cast<std::uint32_t>(pixel.size()));
+    first.push_back(static_cast<std::uint32_t>(packed.size()));
   }
 };
 
@@ -75,7 +76,7 @@ Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep
       masks.add(*mask);
     }
     rrep.first = masks.first;
-    rrep.pixel = masks.pixel;
+    rrep.packed = masks.packed;
   }
   PLUMBLINE_TRY(draw_preview(rrep, session.printable().parts.supports, {job.scan_name, size.view(), sliced_captions},
                              arena, std::span(sliced)));
@@ -156,7 +157,7 @@ Status write_printed_part(JobDirectory& directory, const Witness& witness, Print
     PrintGrid printed = grid;
     printed.layers = static_cast<std::uint32_t>(hashes.size());
     PLUMBLINE_TRY(
-        write_pictures(directory, session, {.grid = printed, .first = part.first, .pixel = part.pixel}, job, arena));
+        write_pictures(directory, session, {.grid = printed, .first = part.first, .packed = part.packed}, job, arena));
     job.has_preview = true;
   }
   if (session.printable().slice.placement.grid.layers != hashes.size()) return {};

@@ -22,8 +22,9 @@ class Section {
   /// @param on_change  called with column, row and whether the pixel is inside now
   template <class OnChange>
   void advance(std::uint32_t layer, OnChange on_change) {
+    const CrossingPacking packing(rrep_.grid);
     for (std::uint32_t k = rrep_.first[layer]; k < rrep_.first[layer + 1]; ++k) {
-      const std::uint32_t pixel = rrep_.pixel[k], row = pixel / rrep_.grid.columns;
+      const std::uint32_t pixel = packing.pixel(rrep_.packed[k]), row = pixel / rrep_.grid.columns;
       const std::uint32_t column = pixel - row * rrep_.grid.columns;
       std::uint64_t& word = image_.row(row)[column / 64];
       const std::uint64_t bit = std::uint64_t{1} << (column % 64);

@@ -76,7 +76,7 @@ Status draw_archive_picture(LayerArchive& archive, const PrinterVolume& printer,
   if (!*drawn) {
     const auto rrep = sample_layers(archive, printer, arena);
     PLUMBLINE_TRY(rrep);
-    if (rrep->pixel.empty()) return fail(ErrorCode::kNoPoints, "there is nothing to draw, or no room for it");
+    if (rrep->packed.empty()) return fail(ErrorCode::kNoPoints, "there is nothing to draw, or no room for it");
     const auto rgb = draw_thumbnail(*rrep, Supports{}, picture.columns, picture.rows, arena);
     PLUMBLINE_TRY(rgb);
     std::copy(rgb->begin(), rgb->end(), picture.bytes().begin());

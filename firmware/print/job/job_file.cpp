@@ -16,7 +16,7 @@ namespace {
 
 /// Change the version whenever the stored data change, JobFacts, Contract and PrintPlan included.
 constexpr std::uint32_t kJobMagic = 0x424F4A50;  // "PJOB"
-constexpr std::uint32_t kJobFileVersion = 8;
+constexpr std::uint32_t kJobFileVersion = 9;
 
 struct JobHeader {
   std::uint32_t magic = kJobMagic;
@@ -78,7 +78,7 @@ Status check(const JobHeader& header, const char* path) {
 
 /// All parts of the file but its header and facts.
 std::array<std::span<const std::byte>, 4> bytes_of_parts(const MaskParts& parts) {
-  return {std::as_bytes(parts.rrep.first), std::as_bytes(parts.rrep.pixel), std::as_bytes(parts.supports.list),
+  return {std::as_bytes(parts.rrep.first), std::as_bytes(parts.rrep.packed), std::as_bytes(parts.supports.list),
           std::as_bytes(parts.archive)};
 }
 
@@ -143,18 +143,18 @@ Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& ar
   const std::size_t ends = header.archive > 0 ? 0 : std::size_t{header.grid.layers} + 1;
   const auto first = arena.take_bottom<std::uint32_t>(ends, "r-rep");
   PLUMBLINE_TRY(first);
-  const auto pixel = arena.take_bottom<std::uint32_t>(static_cast<std::size_t>(header.crossings), "r-rep");
-  PLUMBLINE_TRY(pixel);
+  const auto packed = arena.take_bottom<std::uint32_t>(static_cast<std::size_t>(header.crossings), "r-rep");
+  PLUMBLINE_TRY(packed);
   const auto supports = arena.take_bottom<Strut>(static_cast<std::size_t>(header.supports), "supports");
   PLUMBLINE_TRY(supports);
   const auto archive = arena.take_bottom<ArchiveLayer>(static_cast<std::size_t>(header.archive), "layers");
   PLUMBLINE_TRY(archive);
   for (const auto part :
-       {std::as_writable_bytes(*first), std::as_writable_bytes(*pixel), std::as_writable_bytes(*supports),
+       {std::as_writable_bytes(*first), std::as_writable_bytes(*packed), std::as_writable_bytes(*supports),
         std::as_writable_bytes(*archive), writable_bytes_of(job.hash)}) {
     if (!file.read_all(part)) return cannot_read_job(path);
   }
-  job.parts.rrep = {.grid = header.grid, .first = *first, .pixel = *pixel, .is_exact = header.is_exact != 0};
+  job.parts.rrep = {.grid = header.grid, .first = *first, .packed = *packed, .is_exact = header.is_exact != 0};
   job.parts.supports = {.list = *supports, .pitch = PixelPitch(header.grid)};
   job.parts.archive = *archive;
   Hash64 hash;

@@ -66,7 +66,7 @@ Printable printable_of(const SlicedScan& sliced, std::string_view name, std::str
 Printable printable_of(const SlicedArchive& sliced, std::string_view name, std::string_view profile,
                        const Contract& contract, Descriptor file, std::uint64_t hash) {
   Printable made = printable(name, profile, contract, sliced.findings, hash);
-  made.parts = {{.grid = sliced.grid, .first = {}, .pixel = {}, .is_exact = true}, {}, sliced.layers};
+  made.parts = {{.grid = sliced.grid, .first = {}, .packed = {}, .is_exact = true}, {}, sliced.layers};
   made.facts.turn = sliced.turn;
   made.archive = std::move(file);
   return made;

@@ -74,7 +74,7 @@ class LayerCrossings {
   RRep rrep(const PrintGrid& grid) const;
 
  private:
-  std::span<std::uint32_t> first_, pixel_;
+  std::span<std::uint32_t> first_, packed_;
   std::size_t count_ = 0;
   bool fits_ = false;
 };

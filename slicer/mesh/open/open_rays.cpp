@@ -124,9 +124,9 @@ bool OpenRays::ask_corners(const Square& square, Corners& corners) {
 bool OpenRays::lies_between(const Ray& ray, const Corners& corners) const {
   const std::uint32_t bulge = field_->layers_in(kBulge, grid_->layer_height_mm);
   for (std::size_t i = 0; i < ray.hits.size(); ++i) {
-    const auto [low, high] = std::minmax({corners[0]->hits.all[i].layer(), corners[1]->hits.all[i].layer(),
-                                          corners[2]->hits.all[i].layer(), corners[3]->hits.all[i].layer()});
-    const std::uint32_t layer = ray.hits.all[i].layer();
+    const auto [low, high] = std::minmax(
+        {corners[0]->hits.layer(i), corners[1]->hits.layer(i), corners[2]->hits.layer(i), corners[3]->hits.layer(i)});
+    const std::uint32_t layer = ray.hits.layer(i);
     if (layer + bulge < low || layer > high + bulge) return false;
   }
   return true;

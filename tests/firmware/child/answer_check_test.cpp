@@ -79,7 +79,7 @@ TEST_F(AnswerCheck, RefusesEveryNumberThatDoesNotAddUp) {
   refuses("places", [](ScanAnswer& a) { a.bottom_used = 0; });
   refuses("places", [](ScanAnswer& a) { a.first_at += 2; });
   refuses("places", [](ScanAnswer& a) { a.first_at = ~std::uint64_t{3}; });
-  refuses("places", [](ScanAnswer& a) { a.pixel_at = a.bottom_used; });
+  refuses("places", [](ScanAnswer& a) { a.packed_at = a.bottom_used; });
   refuses("places", [](ScanAnswer& a) { a.crossings = (std::uint64_t{1} << 62U) + a.crossings; });
   refuses("crossings", [](ScanAnswer& a) { --a.crossings; });
   refuses("crossings", [](ScanAnswer& a) { --a.layers; });
@@ -101,9 +101,10 @@ TEST_F(AnswerCheck, RefusesEveryNumberThatDoesNotAddUp) {
 
 TEST_F(AnswerCheck, RefusesCrossingsAndSupportsOutsideTheGrid) {
   const std::uint64_t last = good_.crossings - 1;
+  const CrossingPacking packing({.columns = 403, .rows = 300});
   const std::vector<std::function<void(std::span<std::byte>)>> damages = {
-      [&](auto memory) { at<std::uint32_t>(memory, good_.pixel_at)[last] = 403 * 300; },
-      [&](auto memory) { at<std::uint32_t>(memory, good_.pixel_at)[0] = 403 * 300 - 1; },
+      [&](auto memory) { at<std::uint32_t>(memory, good_.packed_at)[last] = packing.packed(403 * 300); },
+      [&](auto memory) { at<std::uint32_t>(memory, good_.packed_at)[0] = packing.packed(403 * 300 - 1); },
       [&](auto memory) { at<std::uint32_t>(memory, good_.first_at)[0] = 1; },
       [&](auto memory) { at<std::uint32_t>(memory, good_.first_at)[good_.layers / 2] = ~0U; },
       [&](auto memory) { at<std::uint32_t>(memory, good_.first_at)[good_.layers] = ~0U; },
@@ -128,12 +129,13 @@ TEST_F(AnswerCheck, RefusesAPixelThatIsCrossedTwiceInALayer) {
   const auto with_second = [&](std::int64_t behind_first) {
     return check(good_, [&](auto memory) {
       const auto* const first = at<std::uint32_t>(memory, good_.first_at);
-      auto* const pixel = at<std::uint32_t>(memory, good_.pixel_at);
+      auto* const packed = at<std::uint32_t>(memory, good_.packed_at);
       const auto layer =
           std::find_if(first, first + good_.layers, [](const std::uint32_t& one) { return (&one)[1] >= one + 2; });
       ASSERT_NE(layer, first + good_.layers);
-      pixel[*layer] = 1;
-      pixel[*layer + 1] = static_cast<std::uint32_t>(1 + behind_first);
+      const CrossingPacking packing({.columns = 403, .rows = 300});
+      packed[*layer] = packing.packed(1, 10);
+      packed[*layer + 1] = packing.packed(static_cast<std::uint32_t>(1 + behind_first), 20);
     });
   };
   EXPECT_TRUE(with_second(1));

@@ -54,7 +54,7 @@ TEST_F(SlicingChildTest, FindsWhatThisProcessFindsScanAfterScan) {
     EXPECT_EQ(std::tie(grid.columns, grid.rows, grid.layers),
               std::tie(expected->rrep.grid.columns, expected->rrep.grid.rows, expected->rrep.grid.layers));
     EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.first, expected->rrep.first));
-    EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.pixel, expected->rrep.pixel));
+    EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.packed, expected->rrep.packed));
     EXPECT_TRUE(std::ranges::equal(found->sliced.supports.list, expected->supports.list));
     EXPECT_FALSE(found->sliced.supports.empty()) << "a ball hangs over";
     EXPECT_EQ(found->sliced.scan_hash, expected->scan_hash);
@@ -179,7 +179,7 @@ TEST_F(SlicingChildTest, SlicesSeveralFilesAsOneScanAndNamesTheBadOne) {
   const auto expected = slice_for_print(files->sources(), request.settings, here, nullptr, report);
   ASSERT_TRUE(expected) << expected.error().message();
   EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.first, expected->rrep.first));
-  EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.pixel, expected->rrep.pixel));
+  EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.packed, expected->rrep.packed));
   EXPECT_EQ(found->sliced.scan_hash, expected->scan_hash);
 
   write_text(paths[7], read_text(paths[7]).substr(0, 300));

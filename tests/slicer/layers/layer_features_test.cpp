@@ -242,7 +242,7 @@ TEST(LayerFeatures, ReleasesTheArenaAndChangesNothingWithoutRoom) {
   ASSERT_TRUE(drop_small_features(voxels.rrep, kLimits, arena).has_value());
   EXPECT_EQ(arena.top_used(), top);
   EXPECT_LE(arena.bottom_used(),
-            Arena::rounded(voxels.rrep.first.size_bytes()) + Arena::rounded(voxels.rrep.pixel.size_bytes()));
+            Arena::rounded(voxels.rrep.first.size_bytes()) + Arena::rounded(voxels.rrep.packed.size_bytes()));
 
   Voxels crowded(dented);
   ASSERT_TRUE(crowded.block->take_top<std::byte>(crowded.block->available() - 4096, "test").has_value());

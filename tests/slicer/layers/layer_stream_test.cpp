@@ -20,10 +20,14 @@ using namespace testing;
 /// Random crossings by layer, in clumps: neighbours change together, as in a real object.
 struct RandomRRep {
   std::vector<std::uint32_t> first{0};
-  std::vector<std::uint32_t> pixel;
+  std::vector<std::uint32_t> packed;
   RRep rrep;
 
   RandomRRep(std::uint32_t columns, std::uint32_t rows, std::uint32_t layers, Random& random) {
+    rrep.grid.columns = columns;
+    rrep.grid.rows = rows;
+    rrep.grid.layers = layers;
+    const CrossingPacking packing(rrep.grid);
     for (std::uint32_t k = 0; k < layers; ++k) {
       std::set<std::uint32_t> toggled;
       for (std::uint32_t clump = random.below(4); clump > 0; --clump) {
@@ -37,19 +41,16 @@ struct RandomRRep {
           }
         }
       }
-      pixel.insert(pixel.end(), toggled.begin(), toggled.end());
-      first.push_back(static_cast<std::uint32_t>(pixel.size()));
+      for (const std::uint32_t pixel : toggled) packed.push_back(packing.packed(pixel, random.below(256)));
+      first.push_back(static_cast<std::uint32_t>(packed.size()));
     }
-    rrep.grid.columns = columns;
-    rrep.grid.rows = rows;
-    rrep.grid.layers = layers;
     rrep.first = first;
-    rrep.pixel = pixel;
+    rrep.packed = packed;
   }
 
   Pixels mask_by_definition(std::uint32_t layer) const {
     Pixels section(rrep.grid.columns, rrep.grid.rows);
-    for (std::uint32_t i = 0; i < first[layer + 1]; ++i) section.toggle(pixel[i]);
+    for (std::uint32_t i = 0; i < first[layer + 1]; ++i) section.toggle(CrossingPacking(rrep.grid).pixel(packed[i]));
     return opened_and_closed_by_definition(section);
   }
 };
@@ -91,17 +92,18 @@ TEST(LayerStream, GivesTheDocumentedExample) {
   // A block of 4 x 3 rays, solid from layer 1 to layer 3: wide enough that opening does not change it.
   std::vector<std::uint32_t> block;
   for (std::uint32_t r = 1; r < 4; ++r) {
-    for (std::uint32_t c = 2; c < 6; ++c) block.push_back(r * 10 + c);
+    for (std::uint32_t c = 2; c < 6; ++c)
+      block.push_back(CrossingPacking({.columns = 10, .rows = 5}).packed(r * 10 + c));
   }
-  std::vector<std::uint32_t> pixel = block;
-  pixel.insert(pixel.end(), block.begin(), block.end());
+  std::vector<std::uint32_t> packed = block;
+  packed.insert(packed.end(), block.begin(), block.end());
   const std::vector<std::uint32_t> first = {0, 0, 12, 12, 24, 24};
   RRep rrep;
   rrep.grid.columns = 10;
   rrep.grid.rows = 5;
   rrep.grid.layers = 5;
   rrep.first = first;
-  rrep.pixel = pixel;
+  rrep.packed = packed;
   ArenaBlock arena(kMiB);
   LayerStream stream = value_of(LayerStream::create(rrep, *arena));
   EXPECT_EQ(stream.mask(0).count(), 0U);

@@ -19,7 +19,16 @@ using ::testing::HasSubstr;
 bool same_rrep(const RRep& a, const RRep& b) {
   return a.grid.layers == b.grid.layers && a.grid.columns == b.grid.columns &&
          std::equal(a.first.begin(), a.first.end(), b.first.begin(), b.first.end()) &&
-         std::equal(a.pixel.begin(), a.pixel.end(), b.pixel.begin(), b.pixel.end());
+         std::equal(a.packed.begin(), a.packed.end(), b.packed.begin(), b.packed.end());
+}
+
+/// Whether they are the same but for parts of heights: the formats round coordinates to float, double or text.
+bool same_but_for_rounding(const RRep& a, const RRep& b) {
+  const CrossingPacking packing(a.grid);
+  const auto alike = [&](std::uint32_t p, std::uint32_t q) {
+    return packing.pixel(p) == packing.pixel(q) && std::max(p, q) - std::min(p, q) <= 1;
+  };
+  return std::ranges::equal(a.first, b.first) && std::ranges::equal(a.packed, b.packed, alike);
 }
 
 TEST(SliceMesh, ACubeWithCornersOnPixelCentresHasEveryPixelOnce) {
@@ -75,7 +84,7 @@ TEST(SliceMesh, EveryFormatOrderAndNumberOfThreadsGivesTheSameCrossings) {
   for (const SurfaceFile& file : files_of(mesh)) {
     const Slicing other(MemorySource(file.bytes, file.name), settings, kArena);
     EXPECT_TRUE(other.report().mesh) << file.name;
-    EXPECT_TRUE(same_rrep(other.rrep(), expected.rrep())) << file.name;
+    EXPECT_TRUE(same_but_for_rounding(other.rrep(), expected.rrep())) << file.name;
   }
   for (std::uint32_t seed = 1; seed < 4; ++seed) {
     EXPECT_TRUE(same_rrep(sliced(shuffled(mesh, seed), settings).rrep(), expected.rrep()));

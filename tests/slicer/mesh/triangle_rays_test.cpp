@@ -103,7 +103,7 @@ std::vector<Hit> hits_by_definition(const LatticeTriangle& t, const PrintGrid& g
 
 std::vector<Hit> hits_of(const LatticeTriangle& t, const PrintGrid& grid) {
   std::vector<Hit> hits;
-  for_each_hit(t, grid, [&](const RayHit& h) { hits.emplace_back(h.row, h.column, h.layer, h.entering); });
+  for_each_hit(t, grid, [&](const RayHit& h) { hits.emplace_back(h.row, h.column, h.height.layer(), h.entering); });
   return hits;
 }
 
@@ -237,13 +237,15 @@ TEST(HitList, SortsByTileRayAndLayer) {
   std::vector<PackedHit> expected;
   for (int i = 0; i < 100'001; ++i) {
     const RayHit hit{static_cast<std::uint32_t>(random() % 3000), static_cast<std::uint32_t>(random() % 2000),
-                     static_cast<std::uint32_t>(random() % 65536), random() % 2 == 0};
+                     CrossingHeight(static_cast<std::uint32_t>(random() % 65536), random() % 256), random() % 2 == 0};
     ASSERT_TRUE(list.add(hit));
-    const PackedHit packed(hit, list.tile_columns());
-    EXPECT_EQ(packed.tile(), hit.row / 8 * 375 + hit.column / 8);
-    EXPECT_EQ(packed.ray(), hit.row % 8 * 8 + hit.column % 8);
-    EXPECT_EQ(packed.layer(), hit.layer);
-    EXPECT_EQ(packed.winding(), hit.entering ? 1 : -1);
+    const HitPacking& packing = list.packing();
+    const PackedHit packed = packing.packed(hit);
+    EXPECT_EQ(packing.tile(packed), hit.row / 8 * 375 + hit.column / 8);
+    EXPECT_EQ(packing.ray(packed), hit.row % 8 * 8 + hit.column % 8);
+    EXPECT_EQ(packing.layer(packed), hit.height.layer());
+    EXPECT_EQ(packing.winding(packed), hit.entering ? 1 : -1);
+    EXPECT_NEAR(packing.height(packed).part(), hit.height.part(), 8) << "five bits are left";
     expected.push_back(packed);
   }
   ASSERT_TRUE(list.close(*arena));
@@ -252,7 +254,7 @@ TEST(HitList, SortsByTileRayAndLayer) {
   EXPECT_TRUE(std::equal(expected.begin(), expected.end(), list.all().begin(), list.all().end()));
   std::size_t in_tiles = 0;
   for (std::uint32_t tile = 0; tile < 375 * 250; ++tile) {
-    for (const PackedHit& hit : list.of_tile(tile)) EXPECT_EQ(hit.tile(), tile);
+    for (const PackedHit& hit : list.of_tile(tile)) EXPECT_EQ(list.packing().tile(hit), tile);
     in_tiles += list.of_tile(tile).size();
   }
   EXPECT_EQ(in_tiles, expected.size());

@@ -188,7 +188,7 @@ TEST(FlippedNormals, AreTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(three.report().normals.turned, one.report().normals.turned);
     EXPECT_EQ(three.report().normals.inside_out, share == 1);
     EXPECT_EQ(three.report().normals.contradictory, share == 0.5);
-    EXPECT_TRUE(std::ranges::equal(three.rrep().pixel, one.rrep().pixel));
+    EXPECT_TRUE(std::ranges::equal(three.rrep().packed, one.rrep().packed));
   }
 }
 

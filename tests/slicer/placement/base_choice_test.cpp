@@ -49,7 +49,7 @@ TEST(BaseChoice, AutoClosesAnOpenUndersideFlat) {
   EXPECT_TRUE(by_itself.report().flat_underside);
   EXPECT_TRUE(flat.report().flat_underside);
   EXPECT_NEAR(by_itself.volume(), 800, 8);
-  EXPECT_TRUE(std::ranges::equal(by_itself.rrep().pixel, flat.rrep().pixel));
+  EXPECT_TRUE(std::ranges::equal(by_itself.rrep().packed, flat.rrep().packed));
 }
 
 TEST(BaseChoice, NoneClosesASlopingRimAlongTheRim) {

@@ -150,8 +150,9 @@ TEST(RayLattice, KeepsTheCrossingsOfARayInOrder) {
   ASSERT_TRUE(slicing.report().flat_underside);
   const RRep& rrep = slicing.rrep();
   for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) {
-    const auto pixels = rrep.pixel.subspan(rrep.first[k], rrep.first[k + 1] - rrep.first[k]);
-    EXPECT_TRUE(std::ranges::adjacent_find(pixels, std::ranges::greater_equal{}) == pixels.end())
+    const auto crossings = rrep.packed.subspan(rrep.first[k], rrep.first[k + 1] - rrep.first[k]);
+    const auto pixel = [&](std::uint32_t packed) { return CrossingPacking(rrep.grid).pixel(packed); };
+    EXPECT_TRUE(std::ranges::adjacent_find(crossings, std::ranges::greater_equal{}, pixel) == crossings.end())
         << "a pixel is twice in layer " << k;
   }
 }

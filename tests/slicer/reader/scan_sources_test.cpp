@@ -54,7 +54,7 @@ TEST(ScanSources, GiveTheSameObjectAsOneFile) {
   const Sliced two({MemorySource(halves.top, "top.ply"), MemorySource(halves.bottom, "bottom.ply", {100, 7000})});
   ASSERT_TRUE(one.rrep.has_value());
   ASSERT_TRUE(two.rrep.has_value()) << two.rrep.error().message();
-  EXPECT_TRUE(std::ranges::equal(one.rrep->pixel, two.rrep->pixel));
+  EXPECT_TRUE(std::ranges::equal(one.rrep->packed, two.rrep->packed));
   EXPECT_TRUE(std::ranges::equal(one.rrep->first, two.rrep->first));
   EXPECT_EQ(two.report.scan.points, 30'000U);
   EXPECT_EQ(two.report.scan.bytes, halves.top.size() + halves.bottom.size());

@@ -24,7 +24,8 @@ Voxels voxels_of(CrossingStore& store, Arena& arena) {
   const RRep rrep = value_of(CrossingStore::sort(store, arena));
   std::vector<std::uint8_t> now(std::size_t{grid.columns} * grid.rows, 0);
   for (std::uint32_t k = 0; k < grid.layers; ++k) {
-    for (std::uint32_t i = rrep.first[k]; i < rrep.first[k + 1]; ++i) now[rrep.pixel[i]] ^= 1;
+    for (std::uint32_t i = rrep.first[k]; i < rrep.first[k + 1]; ++i)
+      now[CrossingPacking(grid).pixel(rrep.packed[i])] ^= 1;
     std::copy(now.begin(), now.end(), voxels.solid.begin() + static_cast<std::ptrdiff_t>(k * now.size()));
   }
   return voxels;

@@ -75,7 +75,7 @@ TEST(ConfidenceMap, ChangesNoMaskAndDoesNotDependOnThreads) {
   const Slicing one = sliced(surface);
   const Slicing four = sliced(surface, true, 4);
   EXPECT_TRUE(without.report().confidence.empty());
-  EXPECT_TRUE(std::ranges::equal(without.rrep().pixel, one.rrep().pixel));
+  EXPECT_TRUE(std::ranges::equal(without.rrep().packed, one.rrep().packed));
   EXPECT_TRUE(std::ranges::equal(one.report().confidence.layers(), four.report().confidence.layers()));
   EXPECT_EQ(one.report().confidence.surface(), four.report().confidence.surface());
 }

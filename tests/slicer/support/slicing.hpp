@@ -36,10 +36,11 @@ class Slicing {
   template <class Visit>
   void for_each_section(Visit visit) const {
     OwnedImage section(grid().columns, grid().rows);
+    const CrossingPacking packing(grid());
     for (std::uint32_t k = 0; k < grid().layers; ++k) {
       for (std::uint32_t i = rrep_.first[k]; i < rrep_.first[k + 1]; ++i) {
-        const std::uint32_t c = rrep_.pixel[i] % grid().columns;
-        section.view().words()[std::size_t{rrep_.pixel[i] / grid().columns} * section.view().stride() + c / 64] ^=
+        const std::uint32_t pixel = packing.pixel(rrep_.packed[i]), c = pixel % grid().columns;
+        section.view().words()[std::size_t{pixel / grid().columns} * section.view().stride() + c / 64] ^=
             std::uint64_t{1} << (c % 64);
       }
       visit(k, ConstBitImage(section.view()));
@@ -82,7 +83,8 @@ class Slicing {
   /// Crossings of each ray over all layers, by pixel.
   std::vector<std::uint32_t> crossings_by_ray() const {
     std::vector<std::uint32_t> count(std::size_t{grid().columns} * grid().rows, 0);
-    for (const std::uint32_t pixel : rrep_.pixel) ++count[pixel];
+    const CrossingPacking packing(grid());
+    for (const std::uint32_t packed : rrep_.packed) ++count[packing.pixel(packed)];
     return count;
   }
 

@@ -21,17 +21,18 @@ using Inside = std::function<bool(std::uint32_t, std::uint32_t, std::uint32_t)>;
 /// Built by the definition of the R-Rep: pixels that differ from the layer below are toggled.
 struct Solid {
   Solid(const PrintGrid& grid, const Inside& inside) {
+    const CrossingPacking packing(grid);
     std::vector<bool> before(std::size_t{grid.columns} * grid.rows);
     for (std::uint32_t k = 0; k < grid.layers; ++k) {
-      first.push_back(static_cast<std::uint32_t>(pixel.size()));
+      first.push_back(static_cast<std::uint32_t>(packed.size()));
       for (std::uint32_t p = 0; p < before.size(); ++p) {
         const bool now = inside(p % grid.columns, p / grid.columns, k);
-        if (now != before[p]) pixel.push_back(p);
+        if (now != before[p]) packed.push_back(packing.packed(p));
         before[p] = now;
       }
     }
-    first.push_back(static_cast<std::uint32_t>(pixel.size()));
-    rrep = {grid, first, pixel};
+    first.push_back(static_cast<std::uint32_t>(packed.size()));
+    rrep = {grid, first, packed};
   }
   /// Supports edit an R-Rep at the bottom of an arena. This one must outlive the solid's use.
   void move_to(Arena& arena) {
@@ -41,7 +42,7 @@ struct Solid {
       return to;
     };
     rrep.first = copy(first);
-    rrep.pixel = copy(pixel);
+    rrep.packed = copy(packed);
   }
 
   Solid(const Solid&) = delete;
@@ -56,7 +57,7 @@ struct Solid {
     return all;
   }
 
-  std::vector<std::uint32_t> first, pixel;
+  std::vector<std::uint32_t> first, packed;
   RRep rrep;
 };
 

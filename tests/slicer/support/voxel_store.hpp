@@ -37,7 +37,7 @@ inline CrossingStore store_of(const Voxels& voxels, Arena& arena) {
   CrossingStore store = value_of(CrossingStore::create(voxels.grid, arena));
   for (std::uint32_t t = 0; t < store.tile_columns() * store.tile_rows(); ++t) {
     std::vector<std::uint8_t> counts(std::size_t{kSide} * kSide, 0);
-    std::vector<std::uint16_t> layers;
+    std::vector<CrossingHeight> heights;
     for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
       const std::uint32_t c = t % store.tile_columns() * kSide + i % kSide;
       const std::uint32_t r = t / store.tile_columns() * kSide + i / kSide;
@@ -46,13 +46,13 @@ inline CrossingStore store_of(const Voxels& voxels, Arena& arena) {
       for (std::uint32_t k = 0; k <= voxels.grid.layers; ++k) {
         const std::uint8_t now = k < voxels.grid.layers ? voxels.solid[voxels.at(c, r, k)] : 0;
         if (now != before) {
-          layers.push_back(static_cast<std::uint16_t>(k));
+          heights.emplace_back(k);
           ++counts[i];
         }
         before = now;
       }
     }
-    EXPECT_TRUE(store.put(t, counts, layers).has_value());
+    EXPECT_TRUE(store.put(t, counts, heights).has_value());
   }
   check(store.close(arena));
   return store;

@@ -21,16 +21,16 @@ struct Voxels {
   explicit Voxels(const Inside& inside) : rrep{{.columns = kColumns, .rows = kRows, .layers = kLayers}, {}, {}} {
     const Solid solid(rrep.grid, inside);
     const auto first = value_of(block->take_bottom<std::uint32_t>(solid.first.size(), "test"));
-    const auto pixel = value_of(block->take_bottom<std::uint32_t>(solid.pixel.size(), "test"));
+    const auto packed = value_of(block->take_bottom<std::uint32_t>(solid.packed.size(), "test"));
     std::copy(solid.first.begin(), solid.first.end(), first.begin());
-    std::copy(solid.pixel.begin(), solid.pixel.end(), pixel.begin());
+    std::copy(solid.packed.begin(), solid.packed.end(), packed.begin());
     rrep.first = first;
-    rrep.pixel = pixel;
+    rrep.packed = packed;
   }
   bool equals(const Inside& inside) const {
     const Solid wanted(rrep.grid, inside);
     return std::equal(wanted.first.begin(), wanted.first.end(), rrep.first.begin(), rrep.first.end()) &&
-           std::equal(wanted.pixel.begin(), wanted.pixel.end(), rrep.pixel.begin(), rrep.pixel.end());
+           std::equal(wanted.packed.begin(), wanted.packed.end(), rrep.packed.begin(), rrep.packed.end());
   }
 };
 

@@ -22,9 +22,9 @@ using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 
 constexpr std::array<std::uint32_t, 4> kFirst = {0, 2, 2, 5};
-constexpr std::array<std::uint32_t, 5> kPixel = {1, 3, 1, 3, 7};
+constexpr std::array<std::uint32_t, 5> kPacked = {1, 3, 1, 3, 7};
 
-RRep small_rrep() { return {.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .pixel = kPixel}; }
+RRep small_rrep() { return {.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .packed = kPacked}; }
 
 constexpr std::array<Strut, 2> kSupports = {
     {{.column0 = 1, .row0 = 1, .column1 = 1, .row1 = 1, .first = 0, .end = 3, .radius0 = 500, .radius1 = 200},
@@ -81,7 +81,7 @@ TEST_F(JobStoreTest, LoadsAnInterruptedPrint) {
   EXPECT_EQ(job->job.facts.contract.plan.exposure, std::chrono::milliseconds(2500));
   EXPECT_EQ(job->job.parts.rrep.grid.layers, 3U);
   EXPECT_THAT(job->job.parts.rrep.first, ElementsAreArray(kFirst));
-  EXPECT_THAT(job->job.parts.rrep.pixel, ElementsAreArray(kPixel));
+  EXPECT_THAT(job->job.parts.rrep.packed, ElementsAreArray(kPacked));
   EXPECT_THAT(job->job.parts.supports.list, ElementsAreArray(kSupports));
   EXPECT_EQ(job->job.parts.supports.pitch.x, small_supports().pitch.x);
   EXPECT_EQ(job->job.parts.supports.pitch.y, small_supports().pitch.y);

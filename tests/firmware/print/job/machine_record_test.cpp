@@ -160,10 +160,10 @@ TEST_F(MachineRecordTest, ThatCantBeKeptIsAnError) {
 /// A store with a print of which `entry` is the journal's last.
 JobStore interrupted(const std::string& folder, const JournalEntry& entry, std::uint64_t& job_hash) {
   static constexpr std::array<std::uint32_t, 4> kFirst = {0, 2, 2, 2};
-  static constexpr std::array<std::uint32_t, 2> kPixel = {1, 3};
+  static constexpr std::array<std::uint32_t, 2> kPacked = {1, 3};
   auto store = JobStore::open(folder).value();
-  auto file = store.begin(JobFacts(),
-                          {{.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .pixel = kPixel}, {}, {}});
+  auto file = store.begin(
+      JobFacts(), {{.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .packed = kPacked}, {}, {}});
   EXPECT_TRUE(file) << file.error().message();
   auto journal = Journal::open(*file).value();
   job_hash = journal.job_hash();

@@ -99,7 +99,7 @@ TEST(RimWinding, IsThatOfAllTriangles) {
       for (std::uint32_t layer = 0; layer < kGrid.layers; layer += 3) {
         int above = 0;
         for (const RayHit& hit : hits) {
-          if (hit.column == column && hit.row == row && hit.layer > layer) above += hit.entering ? -1 : 1;
+          if (hit.column == column && hit.row == row && hit.height.layer() > layer) above += hit.entering ? -1 : 1;
         }
         const double z = (layer + 0.5) * 0.5;
         const WindingTurn turn = winding.at(static_cast<float>(z), above);
