@@ -45,6 +45,8 @@ constexpr double kOpening = 0.5;
 constexpr double kLowestJoint = 0.5;
 /// mm; a head so near to its tip may touch the object.
 constexpr double kAtTip = 0.75;
+/// mm; of a pin that leans on a wall: a longer one bends.
+constexpr double kLongestLean = 6;
 /// Lengths of heads, as shares of head_width.
 constexpr std::array<double, 3> kLengths = {1, 0.5, 0.25};
 
@@ -119,7 +121,11 @@ Expected<bool> Routing::find_way(const Tip& tip, Head& head) {
     const auto done = stand_on_object(head);
     if (!done || *done) return done;
   }
-  return stand_below(tip, head);
+  const Head before = head;
+  const auto stands = stand_below(tip, head);
+  if (!stands || *stands || settings_.buildplate_only) return stands;
+  head = before;
+  return lean_on_object(head);
 }
 
 /// @returns a unit vector that points down, by 45 degrees aside at most
@@ -291,6 +297,44 @@ Expected<bool> Routing::stand_below(const Tip& tip, Head& head) {
   ++counts_.on_plate;
   PLUMBLINE_TRY(stand_on_plate(head.joint, head.radius));
   return true;
+}
+
+/// A pin with a head at both ends, at 45 degrees down from the tip to the nearest wall that it can reach into.
+Expected<bool> Routing::lean_on_object(Head& head) {
+  constexpr double kStep = Obstacles::kVoxel_mm / 2;
+  // A voxel may be solid only at its far side.
+  const double deep = std::max(settings_.head_penetration, Obstacles::kVoxel_mm);
+  for (double way = kAtTip; way <= kLongestLean; way += kStep) {
+    const double cone = std::min(settings_.head_width, way / 2);
+    const double radius = head.tip_radius + (head.radius - head.tip_radius) * cone / settings_.head_width;
+    for (const auto& aside : kRound) {
+      const auto at = [&](double away) {
+        return Place{head.tip.x + kC * aside[0] * away, head.tip.y + kC * aside[1] * away, head.tip.z - kC * away};
+      };
+      const auto is_inside = [&](double away, std::int64_t voxels) {
+        const Place place = at(away);
+        return obstacles_.is_inside(static_cast<std::int64_t>(std::floor(place.x / px_ + 0.5)),
+                                    static_cast<std::int64_t>(std::floor(place.y / py_ + 0.5)),
+                                    static_cast<std::int64_t>(std::floor(place.z / lh_)), voxels);
+      };
+      if (is_inside(way - kStep, 0)) continue;
+      double inside = 0;
+      while (inside < deep && is_inside(way + inside, 0)) inside += kStep;
+      const Place foot = at(way);
+      if (inside < deep || !is_inside(way + deep, 1) || !is_way_clear(foot, head.tip, radius, radius, {0, 0})) continue;
+      const Place end = at(way + deep);
+      const std::uint32_t floor = list_.layer_at(foot.z);
+      head.joint = at(way - cone);
+      head.radius = radius;
+      ++counts_.on_object;
+      PLUMBLINE_TRY(
+          list_.add(StrutKind::kBase, end, foot, list_.layer_at(end.z), floor, head.tip_radius, head.tip_radius));
+      PLUMBLINE_TRY(
+          list_.add(StrutKind::kBase, foot, head.joint, floor, list_.layer_at(head.joint.z), head.tip_radius, radius));
+      return true;
+    }
+  }
+  return false;
 }
 
 /// @param floor  first layer above the object there

@@ -26,7 +26,7 @@ struct RouteCounts {
 ///   - straight down to the plate,
 ///   - over a bridge of up to max_bridge_length to a pillar, or to where the plate is free,
 ///   - by the same ways with a smaller base,
-///   - down to the object, as a pin with a head at both ends, unless buildplate_only.
+///   - down to the object, as a pin with a head at both ends, or leaning on a wall of it, unless buildplate_only.
 /// Everything but the ends of heads keeps base_safety_distance from the object. A tip that no such way leads from gets no support.
 class Routing {
  public:
@@ -74,6 +74,7 @@ class Routing {
   Expected<bool> lead_aside(const Head& head, const Room& room);
   Expected<bool> stand_on_object(const Head& head);
   Expected<bool> stand_below(const Tip& tip, Head& head);
+  Expected<bool> lean_on_object(Head& head);
   Expected<bool> stand_on_foot(const Place& foot, std::uint32_t floor, double cone, const Head& head);
 
   Status add_bridge(const Head& head, const Place& end);

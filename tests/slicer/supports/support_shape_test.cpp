@@ -253,19 +253,61 @@ TEST(SupportShape, KeepsPillarsAMillimetreFromWallsAndLeadsThemToThePlate) {
   EXPECT_GT(measured, 0U);
 }
 
-TEST(SupportShape, GivesNoSupportToWhatItCantReach) {
-  // A drop in a shaft 1.6 mm wide and 8 mm deep: every pillar would stand nearer than a millimetre to the shaft's walls. Beside it one above
-  // the plate.
-  const Inside things = [](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
-    const bool shaft = c >= 52 && c < 68 && r >= 52 && r < 68;
-    const bool block = c >= 30 && c < 90 && r >= 30 && r < 90 && (!shaft || k < 10);
-    return (block && k < 100) || ball(60, 60, 94, 5)(c, r, k) || ball(150, 60, 94, 5)(c, r, k);
+/// A drop in a shaft 2.6 mm wide and 8 mm deep, 1.1 mm from its left wall: every pillar would stand nearer than a millimetre to the walls.
+/// @param wall  thickness of the shaft's walls, pixels
+Inside drop_in_shaft(std::uint32_t wall) {
+  return [wall](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const bool shaft = c >= 49 && c < 75 && r >= 47 && r < 73;
+    const bool block = c >= 49 - wall && c < 75 + wall && r >= 47 - wall && r < 73 + wall && (!shaft || k < 10);
+    return (block && k < 100) || ball(60, 60, 94, 5)(c, r, k);
   };
-  const Print print(200, 110, things);
-  EXPECT_EQ(print.counts.all(), 1U);
-  EXPECT_EQ(print.counts.unreached(), 1U);
-  EXPECT_EQ(floating_islands(print.masks), 1U) << "the one in the shaft";
-  for (const Strut& strut : print.supports.list) EXPECT_GT(strut.column0, 100);
+}
+
+TEST(SupportShape, LeansAPinOnTheNearestWallWhereNoPillarStands) {
+  const Print print(130, 110, drop_in_shaft(22));
+  EXPECT_EQ(print.counts.on_object, 1U);
+  EXPECT_EQ(print.counts.unreached(), 0U);
+  EXPECT_EQ(floating_islands(print.masks), 0U);
+  ASSERT_EQ(print.of(StrutKind::kBase).size(), 2U);
+  const Strut end = print.of(StrutKind::kBase)[0];
+  const Strut tip = print.of(StrutKind::kTip)[0];
+  EXPECT_LT(end.column0, 49 - 1) << "in the left wall, which is the nearest";
+  EXPECT_GT(end.column0, 49 - 8);
+  EXPECT_NEAR(tip.column0 - end.column0, tip.first - end.first, 2) << "at 45 degrees";
+  // By what the wall and the drop are: clear of both but within 0.75 mm of the pin's ends.
+  const std::uint32_t foot = tip.first - (tip.column0 - 49U);
+  std::uint32_t measured = 0;
+  for (const Strut& strut : print.supports.list) {
+    for (std::uint32_t k = std::max<std::uint32_t>(strut.first, foot + 1); k < std::min(strut.end, tip.first); ++k) {
+      const StrutSection disc = section_of(strut, k);
+      ASSERT_FALSE(print.object[k].at(disc.column, disc.row)) << "through the object in layer " << k;
+      const double way = std::min(k + 0.5 - foot, tip.first - k - 0.5) * kPitch * std::sqrt(2.0);
+      if (way < 0.75) continue;
+      const auto reach = static_cast<int>((static_cast<double>(disc.radius) / 1e6 + way / 2 - 0.25) / kPitch);
+      for (int dy = -reach; dy <= reach; ++dy) {
+        for (int dx = -reach; dx <= reach; ++dx) {
+          if (dx * dx + dy * dy > reach * reach) continue;
+          ASSERT_FALSE(print.object[k].at(disc.column + dx, disc.row + dy)) << "near a wall in layer " << k;
+        }
+      }
+      ++measured;
+    }
+  }
+  EXPECT_GT(measured, 0U);
+  const Print again(130, 110, drop_in_shaft(22));
+  EXPECT_TRUE(std::ranges::equal(print.supports.list, again.supports.list));
+}
+
+TEST(SupportShape, GivesNoSupportToWhatItCantReach) {
+  SupportSettings plate_only;
+  plate_only.buildplate_only = true;
+  // Walls of 0.3 mm hold no foot: a pin would come out at their other side.
+  for (const Print& print : {Print(130, 110, drop_in_shaft(22), plate_only), Print(130, 110, drop_in_shaft(3))}) {
+    EXPECT_EQ(print.counts.all(), 0U);
+    EXPECT_EQ(print.counts.unreached(), 1U);
+    EXPECT_EQ(floating_islands(print.masks), 1U);
+    EXPECT_TRUE(print.supports.empty());
+  }
 }
 
 TEST(SupportShape, LeavesACutterRoomBetweenPillarsAndBetweenBraces) {
