@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <deque>
 
 namespace plumbline::inline hal::inline sim {
 namespace {
@@ -111,15 +110,16 @@ void CuredPart::complete_layer(std::uint32_t number, double height_mm, bool on_p
   }
 }
 
-// Visits the layers without what has dropped or torn off.
-void CuredPart::for_each_stayed(const std::function<void(std::size_t, ConstBitImage)>& visit) const {
+void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit) const {
+  assert(keep_);
+  if (layers_.empty()) return;
   std::vector<std::uint64_t> words(open_.size(), 0);
   std::vector<std::uint64_t> stayed(open_.size());
   const auto show = [&](std::size_t k) {
-    if (!hanging_.any_torn()) return visit(k, image(words));
+    if (!hanging_.any_torn()) return visit(layers_[k], image(words));
     stayed = words;
     hanging_.remove_lost(k, image(stayed));
-    visit(k, image(stayed));
+    visit(layers_[k], image(stayed));
   };
   const std::uint8_t* at = packed_.data();
   for (std::size_t k = 0; k + 1 < layers_.size(); ++k) {
@@ -134,36 +134,6 @@ void CuredPart::for_each_stayed(const std::function<void(std::size_t, ConstBitIm
   words = open_;
   if (layers_.back().depth_mm <= 0) image(words).clear();
   show(layers_.size() - 1);
-}
-
-void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit, Bleed bleed) const {
-  assert(keep_);
-  if (layers_.empty()) return;
-  if (bleed == Bleed::kLeftOut) {
-    return for_each_stayed([&](std::size_t k, ConstBitImage image) { visit(layers_[k], image); });
-  }
-  // A layer is shown when none of the following ones reaches it.
-  double deepest = 0;
-  for (const CuredLayer& layer : layers_) deepest = std::max(deepest, layer.depth_mm);
-  std::deque<std::vector<std::uint64_t>> waiting;
-  std::size_t next = 0;  // the first of them
-  const auto show_first = [&] {
-    visit(layers_[next++], image(waiting.front()));
-    waiting.pop_front();
-  };
-  for_each_stayed([&](std::size_t k, ConstBitImage here) {
-    const auto below_middle = [&](std::size_t layer) {
-      return (layers_[k].z - layers_[layer].z).millimetres() + layers_[layer].height_mm / 2;
-    };
-    while (!waiting.empty() && below_middle(next) > deepest) show_first();
-    for (std::size_t layer = next; layer < k; ++layer) {
-      if (below_middle(layer) > layers_[k].depth_mm) continue;
-      std::vector<std::uint64_t>& words = waiting[layer - next];
-      for (std::size_t i = 0; i < words.size(); ++i) words[i] |= here.words()[i];
-    }
-    waiting.emplace_back(here.words().begin(), here.words().end());
-  });
-  while (!waiting.empty()) show_first();
 }
 
 }  // namespace plumbline::inline hal::inline sim

@@ -27,12 +27,6 @@ struct CuredLayer {
   double height_mm = 0;         ///< of the gap that it fills; 0: it is not complete
 };
 
-/// Light that reached beyond its layer.
-enum class Bleed : std::uint8_t {
-  kLeftOut,   ///< a layer has the pixels of its own light: those of the masks
-  kIncluded,  ///< and those that the light of later layers has cured below them
-};
-
 /// Keeps each layer packed as its difference from the one before: a print of hundreds of megapixels takes some tens of megabytes.
 class CuredPart {
  public:
@@ -64,15 +58,10 @@ class CuredPart {
   std::size_t packed_bytes() const { return packed_.size(); }
 
   /// Visits all layers from the plate on, with the cured pixels that stayed. The image is valid until `visit` returns. @pre keep
-  ///
-  /// With Bleed::kIncluded a pixel is also cured if the middle of its height lies within the cured depth of a later layer in which
-  /// it was white. The light of several layers does not add up: each lift exchanges the resin below the part.
-  void for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit,
-                      Bleed bleed = Bleed::kLeftOut) const;
+  void for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit) const;
 
  private:
   void pack_open_layer();
-  void for_each_stayed(const std::function<void(std::size_t, ConstBitImage)>& visit) const;
   BitImage image(std::vector<std::uint64_t>& words) const { return {words, columns_, rows_}; }
 
   std::uint32_t columns_;

@@ -12,6 +12,8 @@ namespace plumbline::inline hal::inline sim {
 struct Resin {
   Dose critical = Dose(2.4);           ///< Ec: a lower dose does not gel
   double penetration_mm = 0.11;        ///< Dp: depth at which the light has fallen to 1/e
+  double exchange = 0;                 ///< 0: doses of layers add up, 1: each lift brings fresh resin; see DoseField
+  double blur_px = 0.5;                ///< sigma of the panel's light on the film, pixels; 0: sharp
   Distance film_stretch = 1_mm;        ///< how far the film follows the part before it comes off
   nanoseconds peel_time{200'000'000};  ///< until a small area comes off
   double peel_s_per_cm2 = 0.03;        ///< additional time for larger areas
