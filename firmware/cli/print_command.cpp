@@ -21,6 +21,8 @@
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/print_summary.hpp"
 #include "firmware/print/status/print_lines.hpp"
+#include "firmware/print/truth/rrep_surface.hpp"
+#include "firmware/print/truth/truth_mesh.hpp"
 #include "firmware/settings/print_values.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
@@ -75,6 +77,12 @@ void add_simulation_options(CLI::App& app, PrintOptions& print) {
                  "Write the part as the simulated printer made it: layers, preview and manifest")
       ->type_name("DIR")
       ->group(kSimulation);
+  app.add_option("--truth", print.truth,
+                 "Measure the part against a closed mesh, which lies in the scan's coordinates [what was sliced, with "
+                 "--keep-part]")
+      ->type_name("MESH")
+      ->excludes("--resume")
+      ->group(kSimulation);
 }
 
 struct Printer {
@@ -103,6 +111,11 @@ Expected<Printer> read_printer(const PrintOptions& options) {
 /// An archive is printed as it is: it can't be turned, scaled or supported any more.
 Status check_archive_options(const PrintOptions& options) {
   const JobOptions& job = options.job;
+  if (!options.truth.empty()) {
+    return fail(ErrorCode::kBadSetting,
+                "%s: is sliced already, and does not say where its mesh lies.\tLeave out --truth",
+                job.scans[0].c_str());
+  }
   const bool turned = job.orient || job.rotate_degrees != decltype(job.rotate_degrees){};
   const bool read_otherwise = job.units != Units::kMillimetres || job.as != ReadAs::kAuto ||
                               job.base != BaseChoice::kAuto || job.floor != FloorChoice() || job.keep_all;
@@ -279,21 +292,28 @@ Status check_plate(const PrintOptions& options, bool simulated, MachineRecord& r
 /// What is written when the print has ended.
 struct Outputs {
   std::optional<JobDirectory> part;  ///< of --keep-part
+  std::optional<TruthMesh> truth;    ///< that the part is measured against
 };
 
-/// Refuses outputs that can't be written before the minutes of slicing and the hours of printing.
+/// Refuses outputs that can't be written, and a truth that can't be used, before the minutes of slicing and the hours of printing.
 Expected<Outputs> open_outputs(const PrintOptions& options, const Printer& printer) {
   Outputs outputs;
   for (const std::string* file : {&options.report, &options.issues}) {
     if (!file->empty()) PLUMBLINE_TRY(check_can_create(file->c_str()));
   }
-  if (options.keep_part.empty()) return outputs;
+  if (options.keep_part.empty() && options.truth.empty()) return outputs;
   if (!printer.machine.simulated && !options.simulation.simulate) {
     return fail(ErrorCode::kBadSetting,
-                "--keep-part writes what a simulated printer has made, and %s is a real one.\tLeave it out, or add "
+                "%s is about the part that a simulated printer makes, and %s is a real one.\tLeave it out, or add "
                 "--simulate",
-                printer.board.name.c_str());
+                options.keep_part.empty() ? "--truth" : "--keep-part", printer.board.name.c_str());
   }
+  if (!options.truth.empty()) {
+    auto truth = TruthMesh::read(options.truth);
+    PLUMBLINE_TRY(truth);
+    outputs.truth.emplace(std::move(*truth));
+  }
+  if (options.keep_part.empty()) return outputs;
   auto part = JobDirectory::open(options.keep_part);
   PLUMBLINE_TRY(part);
   outputs.part.emplace(std::move(*part));
@@ -323,6 +343,17 @@ class SimulatedUser final : public PrintObserver {
   Witness* witness_;
   std::optional<TimePoint> asked_at_;
 };
+
+/// Measures the part, if it is known what is true.
+std::optional<MeasuredSurface> measure(const std::optional<TruthMesh>& truth, const Printable& printable,
+                                       const Witness& witness) {
+  const Placement& placement = printable.slice.placement;
+  if (placement.grid.layers == 0) return std::nullopt;  // an archive, or a print from its store
+  MeasuredSurface surface{truth ? truth->surface(placement) : surface_samples(printable.parts.rrep), {}};
+  leave_out_supports(printable.parts.supports, placement.grid, surface.points);
+  surface.deviations_mm = witness.deviations_mm(surface.points);
+  return surface;
+}
 
 ExitCode exit_code(PrintState state) {
   if (state == PrintState::kFinished) return ExitCode::kDone;
@@ -428,7 +459,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
 
   // The machine is opened after slicing, because a simulated one's time begins with its first use.
   SimulationOptions simulation = options.simulation;
-  simulation.keep_part = outputs->part.has_value();
+  simulation.keep_part = outputs->part || outputs->truth;
   if (options.resume) {
     const auto progress = store->progress();
     if (!progress) return report_error(progress.error());
@@ -456,12 +487,19 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
     witness->conclude(report.state == PrintState::kFinished);
     objections = witness->objections();
   }
+  std::optional<PartFigures> part;
+  if (witness != nullptr) part = witness->part_figures();
+  std::optional<MeasuredSurface> measured;
+  if (simulation.keep_part && report.state == PrintState::kFinished) {
+    measured = measure(outputs->truth, session.printable(), *witness);
+    if (measured) part->deviation = deviation_figures(measured->name, measured->points, measured->deviations_mm);
+  }
   const auto written =
-      write_results(options, {report, session, printer->profile, objections, (*back_end)->take_step_figures(),
-                              witness != nullptr ? std::optional(witness->part_figures()) : std::nullopt});
+      write_results(options, {report, session, printer->profile, objections, (*back_end)->take_step_figures(), part});
   if (!written) return report_error(written.error());
   if (witness != nullptr && outputs->part) {
-    const auto kept = write_printed_part(*outputs->part, *witness, session, terminal.arena());
+    const auto kept =
+        write_printed_part(*outputs->part, *witness, session, measured ? &*measured : nullptr, terminal.arena());
     if (!kept) return report_error(kept.error());
   }
   return exit_code(report.state);

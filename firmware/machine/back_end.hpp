@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,6 +58,11 @@ class Witness {
   virtual PartFigures part_figures() const = 0;
   /// Layers of the part, from the plate on: the pixels of the masks that were cured and stayed. Needs SimulationOptions::keep_part.
   virtual void for_each_cured_layer(const std::function<void(ZPosition, ConstBitImage)>& visit) const = 0;
+
+  /// Where the cured part ends on the line through each point along its normal, as DoseField has it: mm outwards. Not finite if it does not
+  /// within 0.6 mm: infinity where all is cured, -infinity where nothing is. Needs SimulationOptions::keep_part.
+  /// @param truth  points of the true surface, print coordinates, mm
+  virtual std::vector<float> deviations_mm(std::span<const OrientedPoint> truth) const = 0;
 
   /// The panel's pixels that let light through, for somebody who looks down on it with its lower edge in front.
   virtual Sight panel_from_above() = 0;

@@ -7,6 +7,7 @@
 
 #include "firmware/machine/machine_limits.hpp"
 #include "firmware/machine/screen_folder.hpp"
+#include "hal/sim/part/deviation.hpp"
 #include "hal/sim/plant/plant.hpp"
 #include "hal/sim/sim_machine.hpp"
 #include "hal/sim/sim_status_screen.hpp"
@@ -35,6 +36,8 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   plant.lamp_fall = plant.lamp_rise;
   plant.resin.critical = Dose(profile.critical_energy);
   plant.resin.penetration_mm = profile.penetration_depth;
+  plant.resin.exchange = profile.exchange;
+  plant.resin.blur_px = profile.blur;
   plant.peel = profile.peel;
   return plant;
 }
@@ -135,6 +138,12 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
   }
   void for_each_cured_layer(const std::function<void(ZPosition, ConstBitImage)>& visit) const override {
     plant_.part().for_each_layer([&](const CuredLayer& layer, ConstBitImage cured) { visit(layer.z, cured); });
+  }
+  std::vector<float> deviations_mm(std::span<const OrientedPoint> truth) const override {
+    const PlantSettings& plant = plant_.settings();
+    return sim::deviations_mm(
+        plant_.part(),
+        {.resin = plant.resin, .pitch_x_mm = plant.panel.pitch_x_mm, .pitch_y_mm = plant.panel.pitch_y_mm}, truth);
   }
   Sight panel_from_above() override {
     const ConstBitImage mask = plant_.panel().visible();

@@ -103,6 +103,20 @@ void add_part(Text& text, const PartFigures& part) {
   text.add("\n");
 }
 
+/// How far the part is from what is true; less than a micrometre is not worth a digit.
+void add_deviation(Text& text, const DeviationFigures& from) {
+  text.add("deviation  %.0f um RMS from %s", from.rms, from.against.c_str());
+  const auto add = [&text](const char* what, double mean, double rms) {
+    if (std::isfinite(mean)) text.add(", %s %+.0f um (%.0f um RMS about it)", what, mean, rms);
+  };
+  add("undersides", from.down_mean, from.down_rms);
+  add("walls", from.wall_mean, from.wall_rms);
+  if (std::isfinite(from.top_rms)) text.add(", tops %.0f um RMS", from.top_rms);
+  const auto missing = static_cast<double>(from.missing) / static_cast<double>(std::max<std::uint64_t>(from.points, 1));
+  if (from.missing > 0) text.add("; %.2g %% of the surface not there", 100 * missing);
+  text.add("\n");
+}
+
 Status write_objections(OutputFile& out, std::span<const std::string> objections) {
   Text text;
   if (objections.empty()) return out.write(std::string_view("simulated  no objections\n"));
@@ -131,6 +145,14 @@ constexpr JsonField<LostPiece> kLostFields[] = {
     {"ml", member<&LostPiece::ml>},
 };
 
+constexpr JsonField<DeviationFigures> kDeviationFields[] = {
+    {"against", member<&DeviationFigures::against>},    {"points", member<&DeviationFigures::points>},
+    {"missing", member<&DeviationFigures::missing>},    {"sealed", member<&DeviationFigures::sealed>},
+    {"rms", rounded<&DeviationFigures::rms>},           {"down_mean", rounded<&DeviationFigures::down_mean>},
+    {"down_rms", rounded<&DeviationFigures::down_rms>}, {"wall_mean", rounded<&DeviationFigures::wall_mean>},
+    {"wall_rms", rounded<&DeviationFigures::wall_rms>}, {"top_rms", rounded<&DeviationFigures::top_rms>},
+};
+
 constexpr JsonField<PartFigures> kPartFields[] = {
     {"lost_ml", rounded<&PartFigures::lost_ml>},
     {"trapped_ml", rounded<&PartFigures::trapped_ml>},
@@ -138,6 +160,7 @@ constexpr JsonField<PartFigures> kPartFields[] = {
     {"bleed_ml", rounded<&PartFigures::bleed_ml>},
     {"largest_peel_n", rounded<&PartFigures::largest_peel_n>},
     {"largest_suction_cm2", rounded<&PartFigures::suction_cm2>},
+    {"deviation_um", object<&PartFigures::deviation, kDeviationFields>},
     {"lost", [](auto& json, auto& part) { write_objects(json, kLostFields, part.lost, Layout::kLines); }},
 };
 
@@ -216,6 +239,7 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::st
   if (outcome.part) {
     text.clear();
     add_part(text, *outcome.part);
+    if (outcome.part->deviation) add_deviation(text, *outcome.part->deviation);
     PLUMBLINE_TRY(out.write(text.view()));
     PLUMBLINE_TRY(write_objections(out, outcome.objections));
   }

@@ -18,6 +18,8 @@ std::vector<SettingRule> rules_for(PrintProfile& p, SupportChoice& supports) {
       {"profile", "name", TextSetting{&p.name}, 1, 63},
       {"resin", "penetration_depth", &p.penetration_depth, 0.01, 2, " mm"},
       {"resin", "critical_energy", &p.critical_energy, 0.1, 500, " mJ/cm2"},
+      {"resin", "exchange", &p.exchange, 0, 1, "", kOptional},
+      {"resin", "blur", &p.blur, 0, 2, " px", kOptional},
       {"resin", "green_strength", &p.peel.green_strength_mpa, 0.01, 100, " MPa", kOptional},
       {"resin", "plate_adhesion", &p.peel.plate_adhesion_mpa, 0.001, 100, " MPa", kOptional},
       {"resin", "peel_traction", &p.peel.traction_kpa, 0, 1000, " kPa", kOptional},

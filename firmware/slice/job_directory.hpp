@@ -5,7 +5,7 @@
 ///   out/preview.png
 ///   out/coverage.png           of a sliced job: which parts of the surface were scanned
 ///   out/issues.png             where the checks of the masks have found something
-///   out/comparison.png         of a printed part: the part beside what was to be printed
+///   out/comparison.png         of a printed part: the part beside what was to be printed, and how far it deviates
 ///   out/manifest.json          appears last, in one step: a folder that has it holds a complete job
 ///
 /// Nothing here waits until the data is on disk, so a power cut may lose any of it.

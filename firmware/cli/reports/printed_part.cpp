@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware/io/mask_hash.hpp"
+#include "firmware/pictures/deviation_picture.hpp"
 #include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/png.hpp"
 #include "firmware/pictures/preview/preview.hpp"
@@ -26,8 +27,10 @@ struct PartRRep {
     const CrossingPacking packing({.columns = layer.columns(), .rows = layer.rows()});
     for (std::uint32_t r = 0; r < layer.rows(); ++r) {
       const auto words = layer.row(r);
+      const auto row_below = below.begin() + std::ptrdiff_t{r} * layer.stride();
+      if (std::equal(words.begin(), words.end(), row_below)) continue;
       for (std::size_t w = 0; w < words.size(); ++w) {
-        std::uint64_t& before = below[std::size_t{r} * layer.stride() + w];
+        std::uint64_t& before = row_below[static_cast<std::ptrdiff_t>(w)];
         for (std::uint64_t changed = words[w] ^ before; changed != 0; changed &= changed - 1) {
           const auto column =
               static_cast<std::uint32_t>(w * 64) + static_cast<std::uint32_t>(std::countr_zero(changed));
@@ -51,14 +54,16 @@ Status write_issue_picture(JobDirectory& directory, const PrintSession& session,
   return png ? directory.write_picture(JobPicture::kIssues, *png) : Status();
 }
 
-/// Writes the preview of the cured part, and a comparison that shows what was to be printed to its left.
+/// Writes the preview of the cured part, and a comparison that shows what was to be printed to its left, its deviation to its right.
 Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep& part, const JobReport& job,
-                      Arena& arena) {
-  constexpr std::size_t kBothBytes = picture_bytes(2 * kPreviewColumns, kPreviewRows);
-  auto encoder = PictureEncoder::create(kBothBytes);
+                      const MeasuredSurface* measured, Arena& arena) {
+  const std::uint32_t columns = (measured != nullptr ? 3 : 2) * kPreviewColumns;
+  const std::size_t bytes = picture_bytes(columns, kPreviewRows);
+  auto encoder = PictureEncoder::create(bytes);
   PLUMBLINE_TRY(encoder);
   std::vector<std::uint8_t> sliced(kPageBytes);
   std::vector<std::uint8_t> printed(kPageBytes);
+  std::vector<std::uint8_t> deviation(measured != nullptr ? kPageBytes : 0);
   FixedText<128> caption;
   caption.add("printed: %u of %u layers, %.1f ml", part.grid.layers, session.grid().layers,
               static_cast<double>(job.cured_pixels) * session.pixel_ml());
@@ -82,18 +87,25 @@ Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep
                              arena, std::span(sliced)));
   // The layers already include the cured supports.
   PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, {}, printed_captions}, arena, printed));
-  std::vector<std::uint8_t> both;
-  both.reserve(kBothBytes);
+  if (measured != nullptr) {
+    FixedText<128> from;
+    from.add("deviation from %s: blue too little, red too much", measured->name.c_str());
+    const std::array<std::string_view, 1> captions = {from.view()};
+    PLUMBLINE_TRY(draw_deviation(rrep, session.printable().parts.supports, {job.scan_name, {}, captions},
+                                 measured->points, measured->deviations_mm, arena, deviation));
+  }
+  std::vector<std::uint8_t> all;
+  all.reserve(bytes);
   constexpr auto kRow = static_cast<std::ptrdiff_t>(3 * kPreviewColumns);
   for (std::ptrdiff_t row = 0; row < std::ptrdiff_t{kPreviewRows}; ++row) {
-    for (const auto* picture : {&sliced, &printed}) {
-      both.insert(both.end(), picture->begin() + row * kRow, picture->begin() + (row + 1) * kRow);
+    for (const auto* picture : {&sliced, &printed, &deviation}) {
+      if (picture->empty()) continue;
+      all.insert(all.end(), picture->begin() + row * kRow, picture->begin() + (row + 1) * kRow);
     }
   }
-  both.resize(kBothBytes);
+  all.resize(bytes);
   PLUMBLINE_TRY(directory.write_picture(JobPicture::kPreview, encoder->encode(printed, kPreviewColumns, kPreviewRows)));
-  PLUMBLINE_TRY(
-      directory.write_picture(JobPicture::kComparison, encoder->encode(both, 2 * kPreviewColumns, kPreviewRows)));
+  PLUMBLINE_TRY(directory.write_picture(JobPicture::kComparison, encoder->encode(all, columns, kPreviewRows)));
   return write_issue_picture(directory, session, rrep, job.scan_name, arena, *encoder);
 }
 
@@ -119,7 +131,8 @@ Status check_room_for_part(const JobDirectory& directory, PrintSession& session)
   return directory.check_room("the printed part", layers + kPicturesAndManifest);
 }
 
-Status write_printed_part(JobDirectory& directory, const Witness& witness, PrintSession& session, Arena& arena) {
+Status write_printed_part(JobDirectory& directory, const Witness& witness, PrintSession& session,
+                          const MeasuredSurface* measured, Arena& arena) {
   PLUMBLINE_TRY(directory.begin());
   const PrintGrid& grid = session.grid();
   auto masks = PngEncoder::for_masks(grid.columns, grid.rows);
@@ -156,8 +169,8 @@ Status write_printed_part(JobDirectory& directory, const Witness& witness, Print
   if (!hashes.empty()) {
     PrintGrid printed = grid;
     printed.layers = static_cast<std::uint32_t>(hashes.size());
-    PLUMBLINE_TRY(
-        write_pictures(directory, session, {.grid = printed, .first = part.first, .packed = part.packed}, job, arena));
+    PLUMBLINE_TRY(write_pictures(directory, session, {.grid = printed, .first = part.first, .packed = part.packed}, job,
+                                 measured, arena));
     job.has_preview = true;
   }
   if (session.printable().slice.placement.grid.layers != hashes.size()) return {};

@@ -3,6 +3,7 @@
 
 #include "firmware/machine/back_end.hpp"
 #include "firmware/print/print_session.hpp"
+#include "firmware/print/truth/true_surface.hpp"
 #include "firmware/slice/job_directory.hpp"
 #include "slicer/core/arena.hpp"
 
@@ -15,10 +16,11 @@ namespace plumbline::firmware {
 [[nodiscard]] Status check_room_for_part(const JobDirectory& directory, PrintSession& session);
 
 /// Writes what was cured as `plumbline slice` writes its layers: layers, preview.png, manifest.json if this session sliced the
-/// scan, and comparison.png, which shows the part beside what was to be printed. For the desktop: uses the heap.
-/// @param arena  its free part is used for the picture
+/// scan, and comparison.png, which shows the part beside what was to be printed, and how far it deviates. For the desktop: uses the heap.
+/// @param measured  null: the deviation is not known
+/// @param arena     its free part is used for the picture
 /// @retval the errors of JobDirectory and PngEncoder
 [[nodiscard]] Status write_printed_part(JobDirectory& directory, const Witness& witness, PrintSession& session,
-                                        Arena& arena);
+                                        const MeasuredSurface* measured, Arena& arena);
 
 }  // namespace plumbline::firmware

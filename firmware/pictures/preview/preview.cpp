@@ -42,10 +42,10 @@ void draw_scale_bar(const Picture& picture, double pixels_per_mm, std::int64_t l
 std::size_t preview_bytes(const PrintGrid& grid) { return views_bytes(grid, kPreviewPage, Views::kThreeSides); }
 
 Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewText& text, Arena& arena,
-                    std::span<std::uint8_t> rgb) {
+                    std::span<std::uint8_t> rgb, const Paint* paint) {
   assert(rgb.size() == kPageBytes);
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
-  const auto layout = draw_views(rrep, supports, kPreviewPage, Views::kThreeSides, arena, picture);
+  const auto layout = draw_views(rrep, supports, kPreviewPage, Views::kThreeSides, arena, picture, paint);
   PLUMBLINE_TRY(layout);
   const LabelStyle title{page_faces().title, kInk}, plain{page_faces().plain, kInk}, pale{page_faces().plain, kPaleInk};
   if (*layout) {

@@ -29,15 +29,20 @@ inline constexpr std::size_t kMaxPreviewCaptions = 3;
 /// Bytes that draw_preview() takes from the top of the arena and releases.
 std::size_t preview_bytes(const PrintGrid& grid);
 
+namespace preview {
+struct Paint;
+}
+
 /// Draws the object from the front (along +y), from the side (along +x) and from above (along -z), at one scale.
 ///
 /// @param rrep      at least one layer; without crossings only the text is drawn
 /// @param supports  drawn in another colour
 /// @param arena     preview_bytes() are taken from its top and released
 /// @param rgb       kPageBytes of the caller, row after row from the top; overwritten
+/// @param paint     other colours; null: those of object and supports
 /// @retval ErrorCode::kOutOfMemory  the arena has less than preview_bytes() left
 [[nodiscard]] Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewText& text, Arena& arena,
-                                  std::span<std::uint8_t> rgb);
+                                  std::span<std::uint8_t> rgb, const preview::Paint* paint = nullptr);
 
 /// A page as a PNG file.
 /// @param arena    kPageBytes is taken from its top and released

@@ -50,6 +50,31 @@ struct View {
   float across_mm, up_mm, deep_mm;  ///< of a voxel
 };
 
+/// SeenView::from_print: as preview_survey.cpp has columns, rows and layers.
+Eigen::Matrix<float, 3, 4> from_print(Side side, const Extent& extent, const PrintGrid& grid, const Layout& layout) {
+  const auto scale = static_cast<float>(layout.samples_per_mm());
+  Eigen::Matrix<float, 3, 4> m = Eigen::Matrix<float, 3, 4>::Zero();
+  // One line each: from the low end of the extent up, or from its high end down.
+  const auto line = [&](int of, int axis, std::uint32_t end, float mm, bool down) {
+    m(of, axis) = down ? -scale : scale;
+    m(of, 3) = -m(of, axis) * static_cast<float>(end) * mm;
+  };
+  const bool front = side == Side::kFront, top = side == Side::kTop;
+  if (side == Side::kSide) {
+    line(0, 1, extent.row_end, grid.pitch_y_mm, true);
+  } else {
+    line(0, 0, extent.column, grid.pitch_x_mm, false);
+  }
+  if (top) {
+    line(1, 1, extent.row_end, grid.pitch_y_mm, true);
+    line(2, 2, extent.layer_end, grid.layer_height_mm, true);
+  } else {
+    line(1, 2, extent.layer_end, grid.layer_height_mm, true);
+    line(2, front ? 1 : 0, front ? extent.row : extent.column, front ? grid.pitch_y_mm : grid.pitch_x_mm, false);
+  }
+  return m;
+}
+
 }  // namespace
 
 std::size_t views_bytes(const PrintGrid& grid, const Page& page, Views views) {
@@ -64,7 +89,7 @@ std::size_t views_bytes(const PrintGrid& grid, const Page& page, Views views) {
 }
 
 Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& supports, const Page& page, Views views,
-                                           Arena& arena, const Picture& picture) {
+                                           Arena& arena, const Picture& picture, const Paint* paint) {
   const PrintGrid& grid = rrep.grid;
   const ArenaScope scope(arena);
   std::array<SurveyScratch, 2> room;  // of two views at once
@@ -108,9 +133,10 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
     const ArenaScope one(arena);
     std::span<float> scratch;
     PLUMBLINE_TRY(arena.take_top(scratch, most.largest, kStage));
+    if (paint != nullptr) paint->give_colours({map, from_print(view.side, extent, grid, layout)});
     const float across = in_samples(std::max(view.across_mm, view.up_mm));
     smooth_depth(map, scratch, {.across = across, .deep = in_samples(view.deep_mm)});
-    shade_depth(map, scratch, picture, view.left, view.top, kMaterials);
+    shade_depth(map, scratch, picture, view.left, view.top, paint != nullptr ? paint->colours : kMaterials);
     return {};
   };
   // All at once would need more memory than most stages of a small job.

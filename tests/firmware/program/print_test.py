@@ -99,6 +99,46 @@ class Print(Program):
         printed = json.loads(report.read_text())
         self.assertEqual((printed["objections"], printed["part"]["lost_ml"]), ([], 0))
 
+    def test_the_part_is_measured_against_a_mesh_or_what_was_sliced(self):
+        # A table of 8 x 8 x 2 mm on two legs of 3 mm, scanned upside down and half as large.
+        outline = ((0, 0), (0.5, 0), (0.5, 1.5), (3.5, 1.5), (3.5, 0), (4, 0), (4, 2.5), (0, 2.5))
+        front, back = ([(x, -y, -z) for x, z in outline] for y in (0, 4))
+        triangles = []
+        for a, b, c in ((0, 1, 2), (0, 2, 7), (7, 2, 3), (7, 3, 6), (3, 4, 5), (3, 5, 6)):
+            triangles += [(front[a], front[b], front[c]), (back[a], back[c], back[b])]
+        for a in range(8):
+            b = (a + 1) % 8
+            triangles += [(front[b], front[a], back[a]), (front[b], back[a], back[b])]
+        facets = ["facet normal 0 0 0\nouter loop\n" + "".join("vertex %g %g %g\n" % p for p in t) + "endloop\nendfacet\n" for t in triangles]
+        mesh, report, part = self.dir / "table.stl", self.dir / "report.json", self.dir / "part"
+        mesh.write_text("solid table\n" + "".join(facets) + "endsolid table\n")
+        same = ("print", mesh, "--printer", SIM2K, "--scale", 2, "--rotate-x", 180, "--supports", "none", "--accept", "--report", report)
+        profile = self.dir / "profiles" / "mine.toml"
+        profile.parent.mkdir()
+        standard = (SOURCE_DIR / "board/profiles/standard.toml").read_text()
+        standard = standard.replace("faded_layers = 8", "faded_layers = 0").replace("bottom_layer_count = 5", "bottom_layer_count = 1")
+        # Of the table's underside 0.2 mm are cured too much where doses add up, else what one layer cures beyond its height.
+        for exchange, blur, beyond in ((0, 0.5, 199.9), (1, 0, 70.7)):
+            values = standard.replace("exchange = 0.0", f"exchange = {exchange}").replace("blur = 0.5", f"blur = {blur}")
+            profile.write_text(values.replace('name = "standard"', 'name = "mine"'))
+            found = []
+            for against in (("--truth", mesh), ("--keep-part", part)):
+                done = self.run_it(*same, "--profile", profile, *against)
+                measured = json.loads(report.read_text())["part"]["deviation_um"]
+                self.assertRegex(done.stdout, r"deviation  \d+ um RMS from (table.stl|r-rep), undersides \+\d+ um \(\d+ um RMS about it\), walls ")
+                # In the corners below the table nothing is left open.
+                self.assertLess(measured["missing"], 0.04 * measured["points"])
+                self.assertLess(measured["missing"] - measured["sealed"], 0.001 * measured["points"], "rounded corners")
+                found.append(measured)
+            self.assertEqual([measured["against"] for measured in found], ["table.stl", "r-rep"])
+            for measured in found:
+                # A quarter of what faces down are the legs' feet, which the plate holds.
+                self.assertAlmostEqual(measured["down_mean"] / 0.75, beyond, delta=8)
+                self.assertLess(measured["top_rms"], 1)
+            self.assertAlmostEqual(found[0]["rms"], found[1]["rms"], delta=5)
+        self.run_it(*same)
+        self.assertIsNone(json.loads(report.read_text())["part"]["deviation_um"], "nothing of the part was kept")
+
     def test_files_of_one_frame_are_one_print(self):
         write_sphere(self.scan)
         same = ("--printer", SIM2K, "--scale", 0.2)

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import unittest
 
-from case import PLUMBLINE, SIM2K, SOURCE_DIR, Program, main, write_board, write_sphere
+from case import PLUMBLINE, SIM2K, SOURCE_DIR, Program, box, main, write_board, write_sphere
 
 
 class WorldErrors(Program):
@@ -90,6 +90,19 @@ class WorldErrors(Program):
         self.assertEqual(old.read_text(), "an older report")
         self.assertFalse(new.exists() or part.exists())
 
+    def test_a_truth_that_cannot_be_used_is_refused_before_the_scan_is_opened(self):
+        sim, part, truth = ("print", self.dir / "no.ply", "--printer", SIM2K), self.dir / "part", self.dir / "truth.stl"
+        same = ("--keep-part", part, "--truth", truth)
+        self.refused(*sim, *same, message=f"--truth: {truth}: cannot be opened: No such file or directory. Name a file with a closed mesh")
+        truth.touch()
+        self.refused(*sim, *same, message=r"--truth: truth.stl: the file is empty \(0 bytes\)\. Name a file with a closed mesh")
+        facets = box((0, 0, 0), (1, 1, 1)).split("facet normal")
+        truth.write_text("solid open\n" + "facet normal".join(facets[:-1]) + "endsolid open\n")
+        self.refused(*sim, *same, message=f"--truth: {truth}: is not a closed surface")
+        self.assertFalse(part.exists())
+        rig = ("print", self.dir / "no.ply", "--printer", SOURCE_DIR / "board" / "rig.toml")
+        self.refused(*rig, "--truth", truth, message="--truth is about the part that a simulated printer makes, and rig is")
+
     def test_a_report_may_be_a_pipe(self):
         pipe = self.dir / "pipe"
         os.mkfifo(pipe)
@@ -98,7 +111,7 @@ class WorldErrors(Program):
 
     def test_the_part_of_a_real_printer_is_no_output(self):
         rig = ("print", self.dir / "no.ply", "--printer", SOURCE_DIR / "board" / "rig.toml")
-        self.refused(*rig, "--keep-part", self.dir / "part", message="--keep-part writes what a simulated printer has made, and rig is")
+        self.refused(*rig, "--keep-part", self.dir / "part", message="--keep-part is about the part that a simulated printer makes, and rig is")
 
     def test_output_without_permission(self):
         def obey_permissions():

@@ -1,0 +1,13 @@
+#pragma once
+/// The surface of an R-Rep, as what is true where no mesh of it is known.
+
+#include "firmware/print/truth/true_surface.hpp"
+#include "slicer/rrep/rrep.hpp"
+
+namespace plumbline::firmware {
+
+/// Spreads some 15,000 points evenly over the surface, always the same ones: planes through the faces between inside and outside, which lie at the
+/// boundaries of pixels and layers, weighted, within four pixels of a face. Leaves out edges, where the faces lie off a plane.
+TrueSurface surface_samples(const RRep& rrep);
+
+}  // namespace plumbline::firmware
