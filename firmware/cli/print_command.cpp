@@ -39,6 +39,7 @@ constexpr const char* kPrintFooter =
     "\nExamples:\n"
     "  plumbline print bust.ply --printer sim2k                     hours of printing in seconds\n"
     "  plumbline print bust.ply --printer sim2k --keep-part part    and keep the part that came of it\n"
+    "  plumbline print bust.stl --printer sim2k --truth bust.stl    and say how far it is off\n"
     "  plumbline print bust.sl1 --printer sim2k                     what another slicer has made for this panel\n"
     "  plumbline print bust.zip --printer sim2k --set exposure_time=3   with another exposure than it says\n"
     "  plumbline print bust.ply --printer sim2k --fault temperature.lamp_hot@layer=40,for=5s   it waits and goes on\n"

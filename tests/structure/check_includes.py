@@ -33,7 +33,7 @@ ORDER = {
     "slicer/reader": ["stream", "records", "formats", "triangles"],
     "slicer/supports": ["drawing"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "screen", "stick", "thermals"],
-    "firmware/print": ["status", "job", "loop"],
+    "firmware/print": ["truth", "status", "job", "loop"],
     "firmware/daemon": ["stick", "upload", "service"],
     "firmware/page": ["clients"],
     "firmware/cli": ["options", "reports"],

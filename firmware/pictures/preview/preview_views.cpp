@@ -50,32 +50,21 @@ struct View {
   float across_mm, up_mm, deep_mm;  ///< of a voxel
 };
 
-/// SeenView::from_print: as preview_survey.cpp has columns, rows and layers.
-Eigen::Matrix<float, 3, 4> from_print(Side side, const Extent& extent, const PrintGrid& grid, const Layout& layout) {
-  const auto scale = static_cast<float>(layout.samples_per_mm());
-  Eigen::Matrix<float, 3, 4> m = Eigen::Matrix<float, 3, 4>::Zero();
-  // One line each: from the low end of the extent up, or from its high end down.
-  const auto line = [&](int of, int axis, std::uint32_t end, float mm, bool down) {
-    m(of, axis) = down ? -scale : scale;
-    m(of, 3) = -m(of, axis) * static_cast<float>(end) * mm;
-  };
-  const bool front = side == Side::kFront, top = side == Side::kTop;
-  if (side == Side::kSide) {
-    line(0, 1, extent.row_end, grid.pitch_y_mm, true);
-  } else {
-    line(0, 0, extent.column, grid.pitch_x_mm, false);
-  }
-  if (top) {
-    line(1, 1, extent.row_end, grid.pitch_y_mm, true);
-    line(2, 2, extent.layer_end, grid.layer_height_mm, true);
-  } else {
-    line(1, 2, extent.layer_end, grid.layer_height_mm, true);
-    line(2, front ? 1 : 0, front ? extent.row : extent.column, front ? grid.pitch_y_mm : grid.pitch_x_mm, false);
-  }
-  return m;
+/// mm
+Box3f box_of(const Extent& extent, const PrintGrid& grid) {
+  const Vec3f voxel(grid.pitch_x_mm, grid.pitch_y_mm, grid.layer_height_mm);
+  using Voxels = Eigen::Vector<std::uint32_t, 3>;
+  return {Voxels(extent.column, extent.row, extent.layer).cast<float>().cwiseProduct(voxel),
+          Voxels(extent.column_end, extent.row_end, extent.layer_end).cast<float>().cwiseProduct(voxel)};
 }
 
 }  // namespace
+
+Vec3f SeenView::place(const Vec3f& print_mm) const {
+  const Vec3f low = (print_mm - box.low) * samples_per_mm, high = (box.high - print_mm) * samples_per_mm;
+  if (side == Side::kFront) return {low[0], high[2], low[1]};
+  return side == Side::kSide ? Vec3f(high[1], high[2], low[0]) : Vec3f(low[0], high[1], high[2]);
+}
 
 std::size_t views_bytes(const PrintGrid& grid, const Page& page, Views views) {
   const Samples samples(page, views);
@@ -133,7 +122,10 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
     const ArenaScope one(arena);
     std::span<float> scratch;
     PLUMBLINE_TRY(arena.take_top(scratch, most.largest, kStage));
-    if (paint != nullptr) paint->give_colours({map, from_print(view.side, extent, grid, layout)});
+    if (paint != nullptr) {
+      const auto scale = static_cast<float>(layout.samples_per_mm());
+      paint->give_colours({map, view.side, box_of(extent, grid), scale});
+    }
     const float across = in_samples(std::max(view.across_mm, view.up_mm));
     smooth_depth(map, scratch, {.across = across, .deep = in_samples(view.deep_mm)});
     shade_depth(map, scratch, picture, view.left, view.top, paint != nullptr ? paint->colours : kMaterials);

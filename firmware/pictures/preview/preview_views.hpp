@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "firmware/pictures/preview/preview_layout.hpp"
+#include "firmware/pictures/preview/preview_survey.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
@@ -17,11 +18,12 @@ namespace plumbline::firmware::inline pictures::preview {
 /// A view before it is shaded.
 struct SeenView {
   const DepthMap& map;
-  Eigen::Matrix<float, 3, 4> from_print = Eigen::Matrix<float, 3, 4>::Zero();
+  Side side = Side::kFront;
+  Box3f box;  ///< of what is shown, print coordinates, mm
+  float samples_per_mm = 1;
 
-  /// Column, row and depth of a place, in samples of the map.
-  /// @param print_mm  print coordinates
-  Vec3f place(const Vec3f& print_mm) const { return from_print * print_mm.homogeneous(); }
+  /// Column, row and depth of a place of the print, in samples of the map.
+  Vec3f place(const Vec3f& print_mm) const;
 };
 
 /// Colours of a view other than those of object and supports.

@@ -6,8 +6,8 @@
 
 namespace plumbline::firmware {
 
-/// Spreads some 15,000 points evenly over the surface, always the same ones: planes through the faces between inside and outside, which lie at the
-/// boundaries of pixels and layers, weighted, within four pixels of a face. Leaves out edges, where the faces lie off a plane.
+/// Spreads some 12,000 points evenly over the surface, always the same ones: planes through the faces between inside and outside, which lie at the
+/// boundaries of pixels and the heights of crossings, weighted, within four pixels of a face. Leaves out edges, where the faces lie off a plane.
 TrueSurface surface_samples(const RRep& rrep);
 
 }  // namespace plumbline::firmware

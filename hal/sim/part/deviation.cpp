@@ -60,7 +60,7 @@ std::vector<float> deviations_mm(const CuredPart& part, const DoseModel& model, 
   };
   part.for_each_layer([&](const CuredLayer& layer, ConstBitImage mask) {
     measure_below(layer.z.above_film().millimetres());
-    field.add(layer, mask);
+    if (next < by_height.size()) field.add(layer, mask);
   });
   measure_below(std::numeric_limits<double>::infinity());
   return deviations;

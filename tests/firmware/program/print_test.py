@@ -171,7 +171,7 @@ class Print(Program):
 
     def test_resume_takes_what_is_stored_and_nothing_else(self):
         state = self.dir / "state"
-        for more in (("x.ply",), ("--supports", "auto"), ("--support-head-width", 2)):
+        for more in (("x.ply",), ("--supports", "auto"), ("--support-head-width", 2), ("--truth", "x.stl")):
             done = self.run_it("print", *more, "--resume", "--state", state, "--printer", SIM2K, status=2)
             self.assertIn("excludes", done.stderr)
         done = self.run_it("print", "--resume", "--state", state, "--printer", SIM2K, status=1)
