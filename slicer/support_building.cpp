@@ -44,7 +44,8 @@ Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings, con
   return supports;
 }
 
-void finish_findings(StackFindings& findings, const SupportCounts& counts, const SliceReport& report) {
+void finish_findings(StackFindings& findings, const Supports& supports, const SupportCounts& counts,
+                     const SliceReport& report) {
   const auto add = [&](IssueKind kind, const UnreachedTips& unreached) {
     if (unreached.count == 0) return;
     const Tip& tip = unreached.largest;
@@ -58,7 +59,8 @@ void finish_findings(StackFindings& findings, const SupportCounts& counts, const
   find_what_matters(findings, report.placement.grid,
                     {.drawn = counts.all() > 0 || counts.pads > 0,
                      .raft_layers = counts.lifted,
-                     .object_clear = report.extent.keeps_off_edge(report.placement.grid, kEdgeMargin)});
+                     .object_clear = report.extent.keeps_off_edge(report.placement.grid, kEdgeMargin),
+                     .struts = supports.list});
 }
 
 PlacementRoom support_room(const SupportSettings& settings) {

@@ -20,7 +20,8 @@ namespace plumbline::inline slicer {
                                               SliceReport& report, SupportCounts& counts);
 
 /// Adds the largest place of those that no support reaches to what the checks of the print's masks have found, and finds what matters.
-void finish_findings(StackFindings& findings, const SupportCounts& counts, const SliceReport& report);
+void finish_findings(StackFindings& findings, const Supports& supports, const SupportCounts& counts,
+                     const SliceReport& report);
 
 /// Room that supports need round the object: heads, bases and raft beside it, and the lift below.
 PlacementRoom support_room(const SupportSettings& settings);

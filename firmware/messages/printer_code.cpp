@@ -77,6 +77,7 @@ constexpr std::array<FactFormat, kAllFacts> kFormats = {{
     {"board_limit_c"},
     {"asked_mm", 2},
     {"delivered_mm", 2},
+    {"height_over_width"},
 }};
 static_assert(!kFormats.back().name.empty(), "a fact has no name");
 

@@ -25,6 +25,9 @@ enum class PrinterCode : std::uint16_t {
   kPeelJump,
   kUnreached,
   kUnreachedIsland,
+  kPlateTrap,
+  kNeedle,
+  kThinWall,
   // What was left out of a scan or changed in it.
   kUnitsIgnored,
   kUnitsGuessed,
@@ -227,9 +230,10 @@ enum class PrinterFact : std::uint8_t {
   kBoardLimitC,
   kAskedMm,
   kDeliveredMm,
+  kHeightOverWidth,
 };
 Fact extends(PrinterFact fact);
-inline constexpr std::size_t kAllFacts = static_cast<std::size_t>(PrinterFact::kDeliveredMm) + 1;
+inline constexpr std::size_t kAllFacts = static_cast<std::size_t>(PrinterFact::kHeightOverWidth) + 1;
 
 /// A fact's name on the state socket, and how many of its digits are shown.
 struct FactFormat {

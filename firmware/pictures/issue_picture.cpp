@@ -56,7 +56,9 @@ struct Layer {
   RegionBox box;                               ///< of the region, or of all white pixels
 };
 
-bool is_air(IssueKind kind) { return kind == IssueKind::kResinTrap || kind == IssueKind::kSuctionCup; }
+bool is_air(IssueKind kind) {
+  return kind == IssueKind::kResinTrap || kind == IssueKind::kSuctionCup || kind == IssueKind::kPlateTrap;
+}
 
 /// The run that holds a pixel.
 std::uint32_t run_at(const LayerRegions& regions, std::uint32_t column, std::uint32_t row) {
@@ -98,12 +100,15 @@ Rgb colour_at(const Issue& issue, const Layer& layer, std::uint32_t column, std:
     case IssueKind::kResinTrap:
     case IssueKind::kSuctionCup:
     case IssueKind::kUnreachedIsland:
+    case IssueKind::kPlateTrap:
+    case IssueKind::kNeedle:
       is_issue = layer.region != LayerRegions::kNone && white != is_air(issue.kind) &&
                  layer.regions->region(run_at(*layer.regions, column, row)) == layer.region;
       break;
     case IssueKind::kTouchingBound:
     case IssueKind::kEmptyLayer:
     case IssueKind::kPrintHeight:
+    case IssueKind::kThinWall:
     case IssueKind::kFirstLayerArea:
     case IssueKind::kPeelArea: is_issue = white; break;
   }
@@ -187,7 +192,8 @@ Status draw_tiles(const Picture& picture, const TileLayout& tile, const ShownIss
     if (regions->label(images[1])) {
       const bool is_region = is_air(issue.kind) || issue.kind == IssueKind::kIsland ||
                              issue.kind == IssueKind::kFreePiece || issue.kind == IssueKind::kTear ||
-                             issue.kind == IssueKind::kUnreachedIsland;
+                             issue.kind == IssueKind::kUnreachedIsland || issue.kind == IssueKind::kNeedle ||
+                             issue.kind == IssueKind::kThinWall;
       if (is_region) layer.region = regions->region(run_at(*regions, issue.column, issue.row));
       layer.box = box_of(*regions, layer.region);
     }

@@ -35,6 +35,10 @@ void add_size(Sentence& text, const Issue& issue, const IssueScale& scale) {
       }
       break;
     case IssueSize::kLayers: text.add("%u layer%s", issue.layers(), plural_s(issue.layers())); break;
+    case IssueSize::kSlenderness:
+      text.add("%s mm, %s times its width of %s mm", three_digits(scale.z_mm(issue.layers())).c_str(),
+               three_digits(scale.slenderness(issue)).c_str(), three_digits(scale.width_mm(issue)).c_str());
+      break;
   }
 }
 
@@ -86,6 +90,7 @@ void write_issue(JsonWriter& json, const Issue& issue, const IssueScale& scale) 
   json.member("pixels", issue.pixels);
   json.member("area_mm2", scale.mm2(issue.pixels));
   if (words_of(issue.kind).size == IssueSize::kVolume) json.member("volume_ml", scale.ml(issue.voxels));
+  if (issue.kind == IssueKind::kNeedle) json.member("height_over_width", scale.slenderness(issue));
   if (issue.kind == IssueKind::kTear) {
     json.member("asked_n", static_cast<double>(issue.asked_n));
     json.member("held_n", static_cast<double>(issue.held_n));
@@ -166,6 +171,9 @@ Told told_issue(IssueKind kind, const StackFindings& findings, const PrintGrid& 
     case IssueSize::kArea: told.add(Fact::kAreaMm2, scale.mm2(largest.pixels)); break;
     case IssueSize::kVolume: told.add(Fact::kVolumeMl, scale.ml(largest.voxels)); break;
     case IssueSize::kLayers: told.add(Fact::kLayers, largest.layers()); break;
+    case IssueSize::kSlenderness:
+      told.add(static_cast<Fact>(PrinterFact::kHeightOverWidth), scale.slenderness(largest));
+      break;
   }
   if (words_of(kind).size != IssueSize::kLayers) {
     told.add(Fact::kXMm, scale.x_mm(largest));

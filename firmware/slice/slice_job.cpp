@@ -143,7 +143,7 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
     PLUMBLINE_TRY(kept);
   }
   report_.findings = checker->finish();
-  finish_findings(*report_.findings, report_.supports, report_.slice);
+  finish_findings(*report_.findings, supports, report_.supports, report_.slice);
   report_.cured_pixels = report_.findings->voxels;
   if (object_pixels) report_.support_pixels = report_.cured_pixels - *object_pixels;
   return judge(*report_.findings, rrep.grid, settings_.checks);

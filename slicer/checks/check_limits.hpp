@@ -56,6 +56,10 @@ struct CheckLimits {
   /// A tenth of that panel: a lift that suits the layers below may be too fast for the next one.
   double peel_jump_mm2 = 800;
   PeelSettings peel;  ///< what tears: see there
+  /// Height of a needle over its width: a column of 0.5 mm that is 40 mm high.
+  static constexpr double kNeedleRatio = 80;
+  /// A thin wall is that long and high at least, mm.
+  static constexpr double kThinWall_mm = 2;
 };
 
 }  // namespace plumbline::inline slicer

@@ -22,10 +22,13 @@ enum class IssueKind : std::uint8_t {
   kPeelJump,        ///< a layer has much more area than the one below
   kUnreached,  ///< an overhang that needs a support, to which no way leads; its pixels are the overhang that a tip would carry
   kUnreachedIsland,  ///< the same of an island
+  kPlateTrap,        ///< a hollow that only the plate closes: resin stays in it until the part is taken off
+  kNeedle,    ///< a column too slender for its height; its pixels are its mean section's, its place is at its foot
+  kThinWall,  ///< a wall of one pixel or two
 };
-inline constexpr std::size_t kIssueKindCount = 14;
+inline constexpr std::size_t kIssueKindCount = 17;
 
-enum class IssueSize : std::uint8_t { kArea, kVolume, kLayers };
+enum class IssueSize : std::uint8_t { kArea, kVolume, kLayers, kSlenderness };
 
 struct IssueWords {
   std::string_view key;     ///< in profiles, options and reports: "island"
@@ -60,6 +63,11 @@ inline constexpr std::array<IssueWords, kIssueKindCount> kIssueWords = {{
      "turn the object, or set orient to auto"},
     {"unreached_island", "island no support reaches", "islands no support reaches", IssueSize::kArea,
      "turn the object, or set orient to auto"},
+    {"plate_trap", "hollow that drains only at the plate", "hollows that drain only at the plate", IssueSize::kVolume,
+     "give it a second hole above the plate, or raise the object"},
+    {"needle", "needle", "needles", IssueSize::kSlenderness, "make it thicker, or turn the object"},
+    {"thin_wall", "wall of one or two pixels", "walls of one or two pixels", IssueSize::kArea,
+     "make it thicker, or print it larger"},
 }};
 constexpr const IssueWords& words_of(IssueKind kind) { return kIssueWords[static_cast<std::size_t>(kind)]; }
 
@@ -72,7 +80,7 @@ struct Issue {
   std::uint32_t last_layer = 0;
   std::uint32_t column = 0, row = 0;
   std::uint64_t pixels = 0;  ///< in `layer`; of kPeelJump: by which the area grows
-  std::uint64_t voxels = 0;  ///< over all layers; of kArea kinds: as `pixels`
+  std::uint64_t voxels = 0;  ///< over all layers; of kArea kinds and needles: as `pixels`
   float asked_n = 0;         ///< of kTear: force of the peel,
   float held_n = 0;          ///< and what holds against it
 
@@ -82,7 +90,8 @@ struct Issue {
     switch (words_of(kind).size) {
       case IssueSize::kArea: return pixels;
       case IssueSize::kVolume: return voxels;
-      case IssueSize::kLayers: return layers();
+      case IssueSize::kLayers:
+      case IssueSize::kSlenderness: return layers();
     }
     return 0;
   }

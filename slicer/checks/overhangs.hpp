@@ -1,6 +1,7 @@
 #pragma once
 /// Finds overhangs as UVtools does: new pixels that remain when they are eroded.
 
+#include <algorithm>
 #include <cstdint>
 
 #include "slicer/core/bit_image.hpp"
@@ -13,6 +14,10 @@ struct RegionBox {
 
   bool empty() const { return column >= column_end; }
 };
+inline RegionBox joined(const RegionBox& a, const RegionBox& b) {
+  return {std::min(a.column, b.column), std::max(a.column_end, b.column_end), std::min(a.row, b.row),
+          std::max(a.row_end, b.row_end)};
+}
 
 /// Keeps in `out` the pixels of `fresh` that have nothing but fresh pixels within `reach` to the left, right, above and
 /// below, as an erosion with a plus-shaped kernel of 2 reach + 1 pixels would. Beyond `box` nothing counts: UVtools erodes the

@@ -15,9 +15,6 @@ constexpr double kRounding = 1e-6;
 /// Columns of solid that nothing holds, or of enclosed air, that a layer may have.
 constexpr std::uint32_t kMostColumns = 4096;
 
-/// Marks white regions in the list of a layer's regions.
-constexpr std::uint32_t kWhite = std::uint32_t{1} << 31;
-
 /// Lattices have a wall every millimetre or so; wide panels have more of them in a row.
 LayerRegions::Settings region_settings(const PrintGrid& grid) {
   return {.runs_per_row = std::max(64U, grid.columns / 32), .join_white_corners = false, .stage = kStage};
@@ -331,6 +328,7 @@ void RegionTracker::end_layer(StackFindings& findings) {
     // The plate closes what is open below, until the part is taken off it.
     if (column.on_plate) {
       add_cup(column, findings);
+      if (column.largest >= limits_.trap_pixels) add_column(IssueKind::kPlateTrap, column, findings);
     } else if (column.largest >= limits_.trap_pixels &&
                scale_.z_mm(column.last_layer - column.first_layer + 1) > limits_.cured_gap_mm) {
       add_column(IssueKind::kResinTrap, column, findings);

@@ -67,6 +67,15 @@ class RegionTracker {
   bool is_held(std::uint32_t column, std::uint32_t row) const {
     return !below_is_known_ || below().column[below().regions.region(below().regions.run_at(column, row))] == 0;
   }
+  /// Calls visit(issue, regions, region) for each white region of the newest layer, if its regions were looked at.
+  template <class Visit>
+  void for_each_white(IssueKind kind, Visit visit) const {
+    for (std::uint32_t i = 0; below_is_known_ && i < root_count_; ++i) {
+      const std::uint32_t region = roots_[i] & ~kWhite;
+      if (region == roots_[i]) continue;
+      visit(issue_at(kind, layer_ - 1, below().regions, widest_[region]), below().regions, region);
+    }
+  }
   /// After the last one.
   void finish(StackFindings& findings);
 
@@ -80,6 +89,7 @@ class RegionTracker {
     std::uint32_t pixels;
   };
   static constexpr std::uint32_t kNone = RegionColumn::kNone;
+  static constexpr std::uint32_t kWhite = std::uint32_t{1} << 31;  ///< marks white regions in roots_
 
   RegionTracker(const PrintGrid& grid, const CheckLimits& limits, const IslandRule& islands)
       : scale_(grid), limits_(limits), islands_(islands) {}

@@ -11,17 +11,14 @@ constexpr const char* kStage = "checks";
 /// What erosion leaves has few runs.
 constexpr LayerRegions::Settings kOverhangRegions{.runs_per_row = 8, .join_white_corners = true, .stage = kStage};
 
-RegionBox joined(const RegionBox& a, const RegionBox& b) {
-  return {std::min(a.column, b.column), std::max(a.column_end, b.column_end), std::min(a.row, b.row),
-          std::max(a.row_end, b.row_end)};
-}
-
 }  // namespace
 
 Expected<StackChecker> StackChecker::create(const PrintGrid& grid, const CheckLimits& limits, Arena& arena) {
   auto regions = RegionTracker::create(grid, limits, arena);
   PLUMBLINE_TRY(regions);
-  StackChecker checker(grid, limits, *regions);
+  const auto slender = SlenderParts::create(grid, arena);
+  PLUMBLINE_TRY(slender);
+  StackChecker checker(grid, limits, *regions, *slender);
   for (BitImage* image : {&checker.below_mask_, &checker.fresh_, &checker.eroded_}) {
     const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
     PLUMBLINE_TRY(words);
@@ -52,7 +49,7 @@ std::size_t StackChecker::bytes_needed(const PrintGrid& grid, OverhangRule overh
           ? HeldArea::bytes_needed(grid) +
                 Arena::rounded(BitImage::words_needed((grid.columns + 63) / 64, grid.rows) * sizeof(std::uint64_t))
           : 0;
-  return held + RegionTracker::bytes_needed(grid) +
+  return held + RegionTracker::bytes_needed(grid) + SlenderParts::bytes_needed() +
          3 * Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
          LayerRegions::bytes_needed(grid.rows, kOverhangRegions) +
          Arena::rounded(LayerRegions::most_runs(grid.rows, kOverhangRegions) * sizeof(std::uint32_t));
@@ -83,6 +80,7 @@ void StackChecker::check() {
   const bool needs_support = limits_.overhangs == OverhangRule::kNeedSupport && find_needing_support(both);
   regions_.next(below_mask_, eroded_, fresh_, findings_);
   if (needs_support) tell_needing_support();
+  if (slender_.looks_at(layer_)) find_slender_parts();
   const auto blacken = [&](const BitImage& image) {
     for (std::uint32_t r = both.row; r < both.row_end; ++r) std::ranges::fill(image.row(r), std::uint64_t{0});
   };
@@ -177,6 +175,20 @@ void StackChecker::tell_needing_support() {
   });
 }
 
+/// Overwrites fresh_ and overhangs_.
+void StackChecker::find_slender_parts() {
+  const auto add = [&](const Issue& section, const LayerRegions& regions, std::uint32_t region) {
+    slender_.add(section, regions, region);
+  };
+  regions_.for_each_white(IssueKind::kNeedle, add);
+  if (slender_.find_thin(below_mask_, taken_.box, fresh_) && overhangs_.label(fresh_)) {
+    for_each_region(overhangs_, widest_, [&](std::uint32_t region, bool white) {
+      if (white) add(issue_at(IssueKind::kThinWall, layer_, overhangs_, widest_[region]), overhangs_, region);
+    });
+  }
+  slender_.end_look(layer_, findings_);
+}
+
 /// UVtools leaves out overhangs whose contours enclose less than a pixel's area. A contour runs through the middles of pixels, so
 /// four pixels of which all are white add 1 to its area, three white ones add 1/2.
 bool StackChecker::has_contour_area(std::uint32_t region) const {
@@ -198,6 +210,7 @@ bool StackChecker::has_contour_area(std::uint32_t region) const {
 
 const StackFindings& StackChecker::finish() {
   measures_.finish(findings_);
+  slender_.end_look(layer_, findings_);
   regions_.finish(findings_);
   return findings_;
 }

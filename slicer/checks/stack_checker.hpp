@@ -9,6 +9,7 @@
 #include "slicer/checks/layer_measures.hpp"
 #include "slicer/checks/overhangs.hpp"
 #include "slicer/checks/region_tracker.hpp"
+#include "slicer/checks/slender_parts.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
@@ -43,17 +44,20 @@ class StackChecker {
   void check();
   bool find_needing_support(const RegionBox& box);
   void tell_needing_support();
-  StackChecker(const PrintGrid& grid, const CheckLimits& limits, const RegionTracker& regions)
-      : limits_(limits), measures_(grid, limits), regions_(regions) {}
+  StackChecker(const PrintGrid& grid, const CheckLimits& limits, const RegionTracker& regions,
+               const SlenderParts& slender)
+      : limits_(limits), measures_(grid, limits), regions_(regions), slender_(slender) {}
 
   SeenLayer compare_with_below(ConstBitImage mask);
   bool find_overhangs(const RegionBox& box);
+  void find_slender_parts();
   bool has_contour_area(std::uint32_t region) const;
 
   CheckLimits limits_;
   StackFindings findings_;
   LayerMeasures measures_;
   RegionTracker regions_;
+  SlenderParts slender_;
   std::uint32_t layer_ = 0;
   SeenLayer below_;
   SeenLayer taken_;                  ///< not checked yet

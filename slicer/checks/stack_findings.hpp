@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -91,6 +92,9 @@ struct IssueScale {
   double x_mm(const Issue& issue) const { return (issue.column + 0.5) * pitch_x_mm; }
   double y_mm(const Issue& issue) const { return (issue.row + 0.5) * pitch_y_mm; }
   double z_mm(std::uint32_t layer) const { return layer * layer_height_mm; }  ///< its underside
+  /// Side of a square of an issue's area; a needle's height over it.
+  double width_mm(const Issue& issue) const { return std::sqrt(mm2(issue.pixels)); }
+  double slenderness(const Issue& issue) const { return z_mm(issue.layers()) / width_mm(issue); }
 };
 
 }  // namespace plumbline::inline slicer

@@ -2,9 +2,11 @@
 /// Which findings a person is told of. The others are in the manifest only: those that nobody could see on the part or do anything about.
 
 #include <cstdint>
+#include <span>
 
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/print_grid.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 #include "slicer/supports/support_settings.hpp"
 
 namespace plumbline::inline slicer {
@@ -17,6 +19,8 @@ struct MatteringFloors {
   static constexpr double kTrap_mm3 = 0.1;
   /// Suction cups, mm3. At 20 kPa (PeelSettings) a cup of the least height that counts, 0.5 mm, pulls with 0.02 N here: less than a tip holds.
   static constexpr double kCup_mm3 = 0.5;
+  /// Hollows that drain only at the plate, mm3: a screw's hole of 5 mm, 5 mm deep. What is in a smaller one runs out when the part is taken off.
+  static constexpr double kPlateTrap_mm3 = 100;
   /// Overhangs that no support reaches, mm2: what a light tip carries at most, a disc of 0.94 mm.
   static constexpr double kSag_mm2 = kLightLoad;
 };
@@ -26,6 +30,7 @@ struct AddedSupports {
   bool drawn = false;
   std::uint32_t raft_layers = 0;  ///< the lowest layers, without a pixel of the object
   bool object_clear = false;      ///< the object itself keeps off the panel's edge
+  std::span<const Strut> struts = {};
 };
 
 /// Sets IssueGroup::minor, and puts what matters first among what is kept. An island that no support reaches matters only if

@@ -64,7 +64,7 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, OverhangRu
     });
   }
   sliced.findings = checker->finish();
-  finish_findings(sliced.findings, sliced.support_counts, report);
+  finish_findings(sliced.findings, sliced.supports, sliced.support_counts, report);
   if (report.object_pixels) sliced.support_pixels = sliced.findings.voxels + shrunk - *report.object_pixels;
   arena.release_bottom(bottom);
   return {};

@@ -236,6 +236,20 @@ TEST(StackChecker, FindsTheSuctionOfABowlUpsideDown) {
   EXPECT_EQ(findings.count(IssueKind::kResinTrap), 0U);
 }
 
+TEST(StackChecker, FindsAHollowThatDrainsOnlyAtThePlate) {
+  const auto with_hollow = [](const std::vector<Block>& hollow) {
+    return check(stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks(hollow))), {});
+  };
+  // 2 mm2: what sucks in it is too little to tell of.
+  const auto cup = with_hollow({{30, 50, 30, 40, 0, 15}});
+  EXPECT_EQ(only(cup, IssueKind::kPlateTrap), (Issue{IssueKind::kPlateTrap, 0, 0, 14, 40, 30, 200, 3000}));
+  EXPECT_EQ(cup.count(IssueKind::kSuctionCup), 0U);
+  EXPECT_EQ(with_hollow({{30, 50, 30, 40, 0, 20}}).count(IssueKind::kPlateTrap), 0U) << "it opens at the top";
+  EXPECT_EQ(with_hollow({{30, 50, 30, 40, 0, 15}, {10, 30, 33, 37, 5, 8}}).count(IssueKind::kPlateTrap), 0U)
+      << "a hole";
+  EXPECT_EQ(with_hollow({{30, 50, 30, 40, 1, 15}}).count(IssueKind::kPlateTrap), 0U) << "a resin trap";
+}
+
 TEST(StackChecker, IsSilentAboutASmallHoleOfARaft) {
   // 10 layers of raft with a hole of 200 pixels that ends at the raft's top; a pillar goes on.
   const auto raft =

@@ -38,6 +38,8 @@ TEST(WhatMatters, LeavesOutWhatNobodyCouldSeeOnThePart) {
   }
   EXPECT_EQ(told(issue(IssueKind::kSuctionCup, 100, 110, 3999)), 0U);
   EXPECT_EQ(told(issue(IssueKind::kSuctionCup, 100, 110, 4001)), 1U) << "0.5 mm3";
+  EXPECT_EQ(told(issue(IssueKind::kPlateTrap, 0, 110, 799'999)), 0U);
+  EXPECT_EQ(told(issue(IssueKind::kPlateTrap, 0, 110, 800'001)), 1U) << "100 mm3";
   EXPECT_EQ(told(issue(IssueKind::kIsland, 100, 100, 1)), 1U) << "what grows on it may be large";
   EXPECT_EQ(told(issue(IssueKind::kUnreached, 100, 100, 4 * 279)), 0U);
   EXPECT_EQ(told(issue(IssueKind::kUnreached, 100, 100, 4 * 281)), 1U) << "0.7 mm2";
@@ -59,8 +61,8 @@ TEST(WhatMatters, TellsOfIslandsThatNoSupportReachesIfSomethingIsLost) {
 TEST(WhatMatters, LeavesOutWhatOnlySupportsCause) {
   const AddedSupports raft{.drawn = true, .raft_layers = 100, .object_clear = true};
   EXPECT_EQ(told(issue(IssueKind::kIsland, 200, 200, 400), raft), 0U) << "what falls from it is told";
-  for (const IssueKind kind : {IssueKind::kResinTrap, IssueKind::kSuctionCup, IssueKind::kFirstLayerArea,
-                               IssueKind::kPeelArea, IssueKind::kPeelJump}) {
+  for (const IssueKind kind : {IssueKind::kResinTrap, IssueKind::kSuctionCup, IssueKind::kPlateTrap,
+                               IssueKind::kFirstLayerArea, IssueKind::kPeelArea, IssueKind::kPeelJump}) {
     EXPECT_EQ(told(issue(kind, 0, 99, 1'000'000), raft), 0U) << words_of(kind).key;
     EXPECT_EQ(told(issue(kind, 0, 100, 1'000'000), raft), 1U) << words_of(kind).key << " reaches the object";
     EXPECT_EQ(told(issue(kind, 0, 99, 1'000'000)), 1U) << words_of(kind).key << " of a foreign archive";
