@@ -404,6 +404,21 @@ TEST(Supports, AreAsManyAsTheDensitySays) {
   EXPECT_LE(twice.hang(), kReach / 2 / std::sqrt(2.0) + kRounded);
 }
 
+TEST(Supports, GrowNoFasterThanTheAreaWithTheSize) {
+  // A raised ball of 8 mm, and larger ones, in pixels of 0.2 mm.
+  const auto tips = [](double scale) {
+    const auto radius = static_cast<std::uint32_t>(20 * scale);
+    const std::uint32_t side = 2 * radius + 10;
+    SupportSettings settings;
+    settings.stand = SupportStand::kRaised;
+    const Supported s(cubic_grid(side, 2 * radius, 0.2F), ball(side / 2, side / 2, radius, radius), settings);
+    return s.counts.all() + s.counts.unreached();
+  };
+  const double smallest = tips(1);
+  EXPECT_GT(smallest, 3);
+  for (const double scale : {1.5, 2.0, 3.0}) EXPECT_LE(tips(scale), 1.2 * scale * scale * smallest) << scale;
+}
+
 TEST(Supports, EndOnThePlateOnlyIfAsked) {
   // Two slabs on a post, which leave no room beside the lower one; the upper one reaches beyond it at one side only.
   const Inside shape = blocks({{0, 44, 0, 64, 0, 10}, {0, 10, 0, 64, 10, 48}, {0, 64, 0, 64, 40, 48}});
