@@ -17,6 +17,7 @@
 #include "slicer/rrep/confidence.hpp"
 #include "slicer/rrep/mask_extent.hpp"
 #include "slicer/rrep/point_proof.hpp"
+#include "slicer/supports/support_settings.hpp"
 #include "slicer/surface/clustering.hpp"
 #include "slicer/surface/stray_pieces.hpp"
 #include "slicer/views/registration.hpp"
@@ -107,6 +108,7 @@ struct SliceReport : PreparationReport {
   Vec3d printed_mm =
       Vec3d::Zero();  ///< what the masks show of the object, without supports; the scan's noise may reach beyond it
   std::uint32_t sunk_layers = 0;  ///< cut off below, so that it stands flat
+  SupportPlaces missed_supports;  ///< of settings.added: without a surface, so they get no tip
   MaskExtent extent;              ///< of the object
   ConfidenceMap confidence;       ///< in the arena below the R-Rep and valid as long as it is; empty unless asked for
 };

@@ -23,6 +23,10 @@ Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings, con
   report.planned(Stage::kSupports) = arena.used() + find_supports_bytes(rrep, settings);
   auto supports = find_supports(rrep, settings, most_layers(placement), arena, progress, counts);
   PLUMBLINE_TRY(supports);
+  for (std::uint32_t i = 0; i < settings.added.all().size(); ++i) {
+    SupportPlaces& missed = report.missed_supports;
+    if ((counts.missed >> i & 1U) != 0) missed.list[missed.count++] = settings.added.list[i];
+  }
   const double layer_height = rrep.grid.layer_height_mm;
   if (counts.sunk > 0) {
     report.confidence.trim(counts.sunk, 0);

@@ -47,7 +47,8 @@ double strut_volume(std::span<const Strut> struts, const SupportSettings& settin
 Expected<double> count_supports(const CoarseModel& model, const SliceSettings& settings, Arena& arena, WayUp& way) {
   const ArenaScope top(arena);
   const BottomScope bottom(arena);
-  const SupportSettings& wanted = *settings.supports;
+  SupportSettings wanted = *settings.supports;
+  wanted.added = wanted.blocked = {};  // they are for one way up
   const CoarseVoxels voxels = voxels_of(model, way.degrees, way.unit_mm, support_room(wanted).beside_mm);
   auto rrep = rrep_of(model, voxels, arena);
   PLUMBLINE_TRY(rrep);

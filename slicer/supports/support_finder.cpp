@@ -1,6 +1,7 @@
 #include "slicer/supports/support_finder.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <tuple>
 
@@ -199,6 +200,9 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
       find_tips(stood, stand->lifted, at_density(settings), scratch->tips, scratch->specks, arena, progress);
   PLUMBLINE_TRY(needed);
   counts.specks = needed->speck_count;
+  counts.missed = needed->missed;
+  counts.added = static_cast<std::uint32_t>(settings.added.all().size()) -
+                 static_cast<std::uint32_t>(std::popcount(needed->missed));
   counts.specks_mm3 = static_cast<double>(needed->specks.size()) * static_cast<double>(stood.grid.pitch_x_mm) *
                       static_cast<double>(stood.grid.pitch_y_mm) * static_cast<double>(stood.grid.layer_height_mm);
   if (stood.is_exact || needed->specks.empty()) counts.lost_pixels = stand->sunk_pixels + needed->specks.size();

@@ -24,6 +24,8 @@ struct SupportCounts {
   std::uint32_t on_supports = 0;  ///< hang on another support's pillar
   std::uint32_t light = 0, medium = 0, heavy = 0;
   UnreachedTips unreached_islands, unreached_overhangs;
+  std::uint32_t added = 0;   ///< of settings.added, reached or not; they count as tips, too
+  std::uint32_t missed = 0;  ///< bit i: none, since there is no surface at settings.added.list[i]
   std::uint32_t braces = 0;
   std::uint32_t helpers = 0;  ///< pillars that carry nothing but brace another
   std::uint32_t specks = 0;   ///< left out of the print instead

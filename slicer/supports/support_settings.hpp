@@ -1,8 +1,10 @@
 #pragma once
 /// Settings of supports: their shape and where they are needed, in the words of resin slicers.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 #include "slicer/core/error.hpp"
@@ -13,6 +15,22 @@ namespace plumbline::inline slicer {
 enum class SupportStand : std::uint8_t { kAuto, kPlate, kRaised };
 /// In this order.
 inline constexpr std::array<std::string_view, 3> kStandWords = {"auto", "plate", "raised"};
+
+/// A place of the print, mm: x and y from the corner of the mask, z from the plate, as findings have it.
+struct SupportPlace {
+  double x = 0, y = 0, z = 0;
+  double radius = 0;  ///< of a ball that is kept free of tips; 0: of a place that gets one
+  bool operator==(const SupportPlace&) const = default;
+};
+/// Of fixed size, so that it can be passed between processes.
+struct SupportPlaces {
+  std::array<SupportPlace, 32> list{};
+  std::uint32_t count = 0;
+  bool operator==(const SupportPlaces&) const = default;
+  std::span<const SupportPlace> all() const { return std::span(list).first(std::min<std::size_t>(count, list.size())); }
+};
+/// mm, above or below a place: where the surface is looked for that gets its tip.
+inline constexpr double kPlaceReach = 1.5;
 
 /// Lengths are mm, angles degrees. A name that PrusaSlicer has means what it means there, as do the defaults except those of the
 /// pad, which is thinner here and bevelled.
@@ -50,6 +68,8 @@ struct SupportSettings {
   double points_density_relative = 100;  ///< percent of the tips
   bool buildplate_only = false;          ///< no support ends on the object
   SupportStand stand = SupportStand::kAuto;
+  SupportPlaces added;    ///< places that get tips, needed or not
+  SupportPlaces blocked;  ///< where no other tips are set
 };
 
 /// Diameters of head and pillar, mm, that go together.

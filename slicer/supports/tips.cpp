@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "slicer/core/bit_spans.hpp"
 #include "slicer/layers/layer_stream.hpp"
@@ -25,6 +26,7 @@ constexpr double kPixelsPerTip = 64;
 constexpr double kHighestSpeck = 0.2;
 /// mm2: larger islands are flats, which their tips hold as they hold other overhangs.
 constexpr double kDenseIsland = 12;
+constexpr Nanometres kBesidePlace = 500'000;  ///< where a surface is looked for that gets the tip of a place
 constexpr double kPi = 3.14159265358979324;
 constexpr double kAreaPerTip = 1;  ///< mm2; on an overhang they share, tips are a few times rarer
 constexpr double kMostTips = 16384;
@@ -39,12 +41,19 @@ struct Offset {
 constexpr std::array<Offset, 4> kDirections = {{{45, 45}, {-45, 45}, {0, 60}, {60, 0}}};
 constexpr std::array<std::int32_t, 5> kShares = {64, 48, 32, 16, 8};
 
+/// Where the tip of a place goes.
+struct Wanted {
+  Nanometres away = std::numeric_limits<Nanometres>::max();  ///< from the place's column, squared
+  std::uint32_t column = 0, row = 0, layer = 0;              ///< layer 0: there is no surface
+};
+
 /// The sweep; each method is one step.
 class Sweep {
  public:
   Sweep(const RRep& rrep, std::uint32_t lifted, const SupportSettings& settings, std::span<Tip> list,
         std::span<SpeckPixel> specks)
-      : grid_(rrep.grid),
+      : settings_(settings),
+        grid_(rrep.grid),
         lifted_(lifted),
         window_(window_of(rrep)),
         pitch_(rrep.grid),
@@ -94,21 +103,35 @@ class Sweep {
     return {};
   }
 
+  /// Finds the surfaces at places that get tips, before the first layer is taken.
+  void find_wanted(LayerStream& stream) {
+    for (std::uint32_t k = 0; k < grid_.layers; ++k) {
+      const ConstBitImage mask = stream.mask(k);
+      for (std::uint32_t i = 0; i < settings_.added.all().size() && k + lifted_ > 0; ++i) {
+        look_for(settings_.added.list[i], k + lifted_, mask, wanted_[i]);
+      }
+      copy_below(mask);
+    }
+    below_.clear();
+  }
+
   /// Takes the next layer of the stream.
   Status next_layer(LayerStream& stream) {
     const ConstBitImage mask = stream.mask(index_);
     const std::uint32_t layer = index_ + lifted_;
+    const std::size_t lower = count_;
     if (layer == 0) {
       held_.begin(mask);
     } else if (compare_with_below(layer, mask)) {
       held_.next_layer(layer, mask, window_);
-      const std::size_t lower = count_;
-      PLUMBLINE_TRY(hold_islands(layer, mask, stream));
+      PLUMBLINE_TRY(hold_wanted(layer, mask));
+      PLUMBLINE_TRY(hold_islands(layer, mask, stream, list_.first(count_).subspan(lower)));
       PLUMBLINE_TRY(hold_overhangs(layer, mask));
       if (islands_.may_be_weak()) PLUMBLINE_TRY(hold_weak_regions(layer, mask, list_.first(count_).subspan(lower)));
       PLUMBLINE_TRY(share_loads(layer, mask));
     } else {
       held_.next_layer(layer, mask, window_);
+      PLUMBLINE_TRY(hold_wanted(layer, mask));
     }
     keep_as_below(layer, mask);
     ++index_;
@@ -116,11 +139,49 @@ class Sweep {
   }
 
   /// What was found so far.
-  FoundTips found() const { return {list_.first(count_), specks_.first(speck_end_), speck_count_}; }
+  FoundTips found() const {
+    std::uint32_t missed = 0;
+    for (std::uint32_t i = 0; i < settings_.added.all().size(); ++i) missed |= (wanted_[i].layer == 0 ? 1U : 0U) << i;
+    return {list_.first(count_), specks_.first(speck_end_), speck_count_, missed};
+  }
 
  private:
   std::uint16_t& top(std::uint32_t column, std::uint32_t row) {
     return top_[std::size_t{row - window_.row} * window_.columns() + column - window_.word * 64];
+  }
+
+  void look_for(const SupportPlace& place, std::uint32_t layer, ConstBitImage mask, Wanted& best) const {
+    const double x = place.x / static_cast<double>(grid_.pitch_x_mm);
+    const double y = place.y / static_cast<double>(grid_.pitch_y_mm);
+    const double z = layer * static_cast<double>(grid_.layer_height_mm) - place.z;
+    if (!(x >= 0 && x < grid_.columns && y >= 0 && y < grid_.rows && std::abs(z) <= kPlaceReach)) return;
+    const auto look = [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
+      for (std::uint32_t column = begin; column < end; ++column) {
+        if (!mask.at(column, row) || below_.at(column, row)) continue;
+        const Nanometres dx = (Nanometres{column} - static_cast<Nanometres>(x)) * pitch_.x;
+        const Nanometres dy = (Nanometres{row} - static_cast<Nanometres>(y)) * pitch_.y;
+        if (dx * dx + dy * dy < best.away) best = {dx * dx + dy * dy, column, row, layer};
+      }
+    };
+    for_each_disc_span(pitch_, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), kBesidePlace,
+                       grid_.columns, grid_.rows, look);
+  }
+
+  bool is_blocked(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const {
+    return std::ranges::any_of(settings_.blocked.all(), [&](const SupportPlace& ball) {
+      const double x = (column + 0.5) * static_cast<double>(grid_.pitch_x_mm) - ball.x;
+      const double y = (row + 0.5) * static_cast<double>(grid_.pitch_y_mm) - ball.y;
+      const double z = layer * static_cast<double>(grid_.layer_height_mm) - ball.z;
+      return x * x + y * y + z * z <= ball.radius * ball.radius;
+    });
+  }
+
+  /// Sets the tips of places, also where others are blocked.
+  Status hold_wanted(std::uint32_t layer, ConstBitImage mask) {
+    for (const Wanted& wanted : std::span(wanted_).first(settings_.added.all().size())) {
+      if (wanted.layer == layer) PLUMBLINE_TRY(add_tip(wanted.column, wanted.row, layer, mask, false, false, true));
+    }
+    return {};
   }
 
   /// Finds new pixels, and notes where the object ends.
@@ -147,14 +208,15 @@ class Sweep {
     return any;
   }
 
-  Status hold_islands(std::uint32_t layer, ConstBitImage mask, LayerStream& stream) {
+  /// @param wanted  tips of places in this layer
+  Status hold_islands(std::uint32_t layer, ConstBitImage mask, LayerStream& stream, std::span<Tip> wanted) {
     Status done;
     specks_below_ = specks_here_;
     specks_here_ = speck_end_;
     const auto hold = [&](const IslandFinder::Place& place) {
+      if (!wanted.empty() && is_held_by(wanted, place)) return;
       if (place.pixels <= speck_pixels_ && leave_out(place, stream)) return;
-      if (done) done = add_tip(place.column, place.row, layer, mask, true);
-      if (done) list_[count_ - 1].dense = place.pixels <= dense_pixels_;
+      if (done) done = add_tip(place.column, place.row, layer, mask, true, place.pixels <= dense_pixels_);
     };
     for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
       Window with_fresh = window_;
@@ -170,10 +232,24 @@ class Sweep {
     return done;
   }
 
-  /// Leaves an island out of the layer if it is a speck.
-  /// @returns whether it is one
-  bool leave_out(const IslandFinder::Place& place, LayerStream& stream) {
-    if (place.pixels > specks_.size() - speck_end_) return false;
+  /// Whether tips of places are in an island: it needs no other, and they carry what its tip would.
+  bool is_held_by(std::span<Tip> wanted, const IslandFinder::Place& place) {
+    const auto pixels = take_island(place);
+    bool held = false;
+    for (Tip& tip : wanted) {
+      const auto is_here = [&](const SpeckPixel& p) { return p.pixel == tip.row * grid_.columns + tip.column; };
+      if (std::ranges::none_of(pixels, is_here)) continue;
+      held = tip.island = true;
+      tip.dense = place.pixels <= dense_pixels_;
+    }
+    put_back(pixels);
+    return held;
+  }
+
+  /// Takes an island out of fresh_.
+  /// @returns its pixels, which lie behind the specks; none if there is no room for them
+  std::span<SpeckPixel> take_island(const IslandFinder::Place& place) {
+    if (place.pixels > specks_.size() - speck_end_) return {};
     // All pixels of an island are new, and so are none beside it. The list is the queue of the flood fill.
     std::size_t end = speck_end_;
     const auto take = [&](std::uint32_t column, std::uint32_t row) {
@@ -182,7 +258,6 @@ class Sweep {
       specks_[end++] = {row * grid_.columns + column, static_cast<std::uint16_t>(index_), 1, true};
     };
     take(place.column, place.row);
-    std::uint16_t depth = 1;
     for (std::size_t i = speck_end_; i < end; ++i) {
       const std::uint32_t column = specks_[i].pixel % grid_.columns;
       const std::uint32_t row = specks_[i].pixel / grid_.columns;
@@ -190,14 +265,26 @@ class Sweep {
       take(column + 1, row);
       take(column, row - 1);
       take(column, row + 1);
+    }
+    return specks_.subspan(speck_end_, end - speck_end_);
+  }
+  void put_back(std::span<const SpeckPixel> pixels) {
+    for (const SpeckPixel& pixel : pixels) fresh_.set(pixel.pixel % grid_.columns, pixel.pixel / grid_.columns);
+  }
+
+  /// Leaves an island out of the layer if it is a speck.
+  /// @returns whether it is one
+  bool leave_out(const IslandFinder::Place& place, LayerStream& stream) {
+    const auto pixels = take_island(place);
+    std::uint16_t depth = 1;
+    for (const SpeckPixel& here : pixels) {
       for (const SpeckPixel& below : specks_.subspan(specks_below_, specks_here_ - specks_below_)) {
-        const bool is_below = below.pixel == specks_[i].pixel && below.layer + 1U == index_;
+        const bool is_below = below.pixel == here.pixel && below.layer + 1U == index_;
         if (is_below) depth = std::max(depth, static_cast<std::uint16_t>(below.depth + 1));
       }
     }
-    const auto pixels = specks_.subspan(speck_end_, end - speck_end_);
-    if (depth > speck_layers_) {
-      for (const SpeckPixel& pixel : pixels) fresh_.set(pixel.pixel % grid_.columns, pixel.pixel / grid_.columns);
+    if (pixels.empty() || depth > speck_layers_) {
+      put_back(pixels);
       return false;
     }
     stream.draw_on_mask([&](BitImage mask, BitImage drawn) {
@@ -211,7 +298,7 @@ class Sweep {
         speck.in_section = stream.section().at(column, row);
       }
     });
-    speck_end_ = end;
+    speck_end_ += pixels.size();
     if (depth == 1) ++speck_count_;
     return true;
   }
@@ -221,8 +308,7 @@ class Sweep {
     weak_.look_at(mask, below_, tips);
     Status done;
     weak_.for_each(mask, below_, [&](const WeakRegions::Place& place) {
-      if (done) done = add_tip(place.column, place.row, layer, mask, true);
-      if (done) list_[count_ - 1].dense = place.pixels <= dense_pixels_;
+      if (done) done = add_tip(place.column, place.row, layer, mask, true, place.pixels <= dense_pixels_);
     });
     return done;
   }
@@ -234,8 +320,13 @@ class Sweep {
       const auto line = fresh_.row(r);
       for_each_marked(marks_.row(r), [&](std::uint32_t w) {
         while (line[w] != 0 && done) {
-          const auto place = place_for(w * 64 + static_cast<std::uint32_t>(std::countr_zero(line[w])), r);
-          done = add_tip(place.column, place.row, layer, mask, false);
+          const std::uint32_t column = w * 64 + static_cast<std::uint32_t>(std::countr_zero(line[w]));
+          if (is_blocked(column, r, layer)) {
+            line[w] &= line[w] - 1;
+            continue;
+          }
+          const auto place = place_for(column, r, layer);
+          done = add_tip(place.column, place.row, layer, mask, false, false);
           clear_disc(place);
         }
       });
@@ -244,7 +335,7 @@ class Sweep {
   }
 
   /// Place for the tip that holds (column, row) and as many pixels beside it as possible.
-  IslandFinder::Place place_for(std::uint32_t column, std::uint32_t row) const {
+  IslandFinder::Place place_for(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const {
     const auto reach_x = static_cast<std::int64_t>(reach_ / pitch_.x);
     const auto reach_y = static_cast<std::int64_t>(reach_ / pitch_.y);
     for (const std::int32_t share : kShares) {
@@ -253,7 +344,7 @@ class Sweep {
         const std::int64_t r = row + reach_y * offset.rows * share / 4096;
         if (c < 0 || c >= grid_.columns || r >= grid_.rows) continue;
         const IslandFinder::Place place{static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(r)};
-        if (fresh_.at(place.column, place.row)) return place;
+        if (fresh_.at(place.column, place.row) && !is_blocked(place.column, place.row, layer)) return place;
       }
     }
     return {column, row};
@@ -281,9 +372,8 @@ class Sweep {
               std::min(static_cast<std::uint32_t>(std::countr_one(rest >> first)), TipLoads::kMostPixels);
           const std::uint32_t column = w * 64 + first + length / 2;
           if (const Tip* const full = loads_.carry(column, r, layer, length)) {
-            done = add_tip(column, r, layer, mask, false);
+            done = add_tip(column, r, layer, mask, false, full->dense && full->layer == layer);
             if (!done) return;
-            list_[count_ - 1].dense = full->dense && full->layer == layer;
             loads_.carry(column, r, layer, length);
           }
           rest &= ~(((std::uint64_t{1} << length) - 1) << first);
@@ -318,7 +408,10 @@ class Sweep {
     return 2 * reached >= pixels;
   }
 
-  Status add_tip(std::uint32_t column, std::uint32_t row, std::uint32_t layer, ConstBitImage mask, bool island) {
+  /// @param wanted  also where tips are blocked
+  Status add_tip(std::uint32_t column, std::uint32_t row, std::uint32_t layer, ConstBitImage mask, bool island,
+                 bool dense, bool wanted = false) {
+    if (!wanted && is_blocked(column, row, layer)) return {};
     if (count_ == list_.size()) {
       return telling(
           Told(ToldCode::kTooManySupports, {{Fact::kCount, list_.size()}}),
@@ -336,6 +429,7 @@ class Sweep {
     tip.layer = static_cast<std::uint16_t>(layer);
     tip.end = static_cast<std::uint16_t>(std::min(layer + penetration_, grid_.layers + lifted_));
     tip.island = island;
+    tip.dense = dense;
     loads_.add(static_cast<std::uint32_t>(count_));
     ++count_;
     held_.add_disc(column, row, head_, mask);
@@ -345,10 +439,7 @@ class Sweep {
   /// Keeps the layer as the one below, with the heads in it, as thin as they may become: what only a thicker one touches would be an
   /// island. A head ends where the object above its tip ends.
   void keep_as_below(std::uint32_t layer, ConstBitImage mask) {
-    for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
-      const auto from = mask.row(r).subspan(window_.word, window_.word_end - window_.word);
-      std::copy(from.begin(), from.end(), below_.row(r).begin() + window_.word);
-    }
+    copy_below(mask);
     while (heads_ < count_ && list_[heads_].layer + penetration_ <= layer) ++heads_;
     for (Tip& tip : list_.first(count_).subspan(heads_)) {
       if (layer >= tip.end) continue;
@@ -365,6 +456,15 @@ class Sweep {
     }
   }
 
+  void copy_below(ConstBitImage mask) {
+    for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
+      const auto from = mask.row(r).subspan(window_.word, window_.word_end - window_.word);
+      std::copy(from.begin(), from.end(), below_.row(r).begin() + window_.word);
+    }
+  }
+
+  const SupportSettings& settings_;
+  std::array<Wanted, std::tuple_size_v<decltype(SupportPlaces::list)>> wanted_{};  ///< by place of settings_.added
   PrintGrid grid_;
   std::uint32_t lifted_;
   Window window_;
@@ -402,6 +502,12 @@ Expected<FoundTips> find_tips(const RRep& rrep, std::uint32_t lifted, const Supp
   const std::size_t bottom = arena.bottom_mark();
   Sweep sweep(rrep, lifted, settings, list, specks);
   PLUMBLINE_TRY(sweep.take_memory(settings, arena));
+  if (!settings.added.all().empty()) {
+    auto look = LayerStream::create(rrep, arena);
+    PLUMBLINE_TRY(look);
+    sweep.find_wanted(*look);
+    arena.release_bottom(bottom);
+  }
   auto stream = LayerStream::create(rrep, arena);
   PLUMBLINE_TRY(stream);
   const std::uint32_t layers = rrep.grid.layers;

@@ -49,6 +49,7 @@ struct FoundTips {
   std::span<Tip> tips;            ///< by layer
   std::span<SpeckPixel> specks;   ///< by layer; those that the R-Rep has
   std::uint32_t speck_count = 0;  ///< of specks, not of their pixels
+  std::uint32_t missed = 0;       ///< bit i: there is no surface at settings.added.list[i]
 };
 
 /// Sweeps the object's masks once, from the plate up, and puts tips
@@ -58,6 +59,8 @@ struct FoundTips {
 /// Held are layer 0, the discs of tips, pixels within layer_height / tan(overhang_angle) of held pixels a layer below, and
 /// pixels that have been there for as many layers as that growth would have needed (HeldArea). So a slope steeper than the
 /// overhang angle needs no support, a flatter one gets them where it has fallen behind, and bridges up to overhang_span are free.
+/// Besides, it puts a tip at each place of settings.added: at the lowest surface that faces down within kPlaceReach of its height, in its own column
+/// or else in the nearest one within 0.5 mm. No other tip is put into a ball of settings.blocked, whatever falls without it.
 ///
 /// The load of a tip is the area of new pixels that nothing held when they were cured and to which no other tip is nearer, of
 /// those at most a few millimetres below.
