@@ -394,7 +394,8 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
   for (const char* const name : {"--support-preset", "--support-stand", "--support-buildplate-only"}) {
     resume->excludes(name);
   }
-  for (const SupportField& field : kSupportFields) resume->excludes(option_name(field));
+  for (const SupportField& field : kSupportFields) resume->excludes(option_name(field.key));
+  for (const PlaceField& field : kPlaceFields) resume->excludes(option_name(field.key));
   command
       ->add_option_function<std::vector<std::string>>(
           "--set",

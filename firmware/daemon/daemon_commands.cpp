@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -28,6 +29,11 @@ Expected<std::optional<EventKind>> DaemonCommands::take(const ClientRequest& req
   }
   if (request.command == Command::kFilled) return fill_tank(request.ml);
   if (request.command == Command::kRemove) return remove_upload(request.name.view());
+  const auto is_list = [&](const PlaceField& field) { return field.key == request.key.view(); };
+  if (contract != nullptr && request.command == Command::kSet && std::ranges::any_of(kPlaceFields, is_list)) {
+    PLUMBLINE_TRY(change_supports(request.key.view(), request.value.view()));
+    return EventKind::kCancelPressed;  // of this print: it is sliced anew
+  }
   if (contract != nullptr && request.command == Command::kSet) {
     PLUMBLINE_TRY(contract->set(request.key.view(), request.value.view()));
     return std::nullopt;

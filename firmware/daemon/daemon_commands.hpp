@@ -1,6 +1,7 @@
 #pragma once
 /// Carries out what the clients of the state socket, and the printer's own screen, ask of the daemon.
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -39,7 +40,9 @@ class DaemonCommands final : public CommandTaker {
   StickOffer* offer = nullptr;          ///< that somebody is asked about; null: none
   OfferedContract* contract = nullptr;  ///< the same, of what has been sliced
   OfferedMasks* masks = nullptr;        ///< of the same
-  bool of_upload = false;               ///< what is offered was uploaded
+  /// Changes the supports of what has been sliced. An error: nothing has changed
+  std::function<Status(std::string_view key, std::string_view value)> change_supports;
+  bool of_upload = false;  ///< what is offered was uploaded
 
  private:
   Expected<std::optional<EventKind>> fill_tank(std::optional<double> ml);

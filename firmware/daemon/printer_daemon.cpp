@@ -8,6 +8,7 @@
 
 #include "firmware/daemon/offered_archive.hpp"
 #include "firmware/daemon/scan_glances.hpp"
+#include "firmware/daemon/stick/job_setting.hpp"
 #include "firmware/daemon/stick/stick_reports.hpp"
 #include "firmware/daemon/stick_request.hpp"
 #include "firmware/messages/printer_code.hpp"
@@ -51,6 +52,8 @@ PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, S
   assign(record.printer, settings.board.name);
   record.simulated = settings.machine.simulated;
   record.has_report = has_report();
+  const std::uint32_t step = layer_picture_step(settings.board.columns, settings.board.rows);
+  record.mask_pixel_mm = {step * settings.board.pixel_pitch_x_mm, step * settings.board.pixel_pitch_y_mm};
   for (const std::string& name : settings.profiles) {
     if (record.profile_count < record.profiles.size()) assign(record.profiles[record.profile_count++], name);
   }
@@ -198,8 +201,10 @@ Status PrinterDaemon::serve_fault() {
 
 /// @returns the job that somebody wants printed; none: nobody does, or the stick was pulled
 Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount, bool uploaded) {
-  auto offer = StickOffer::read(mount, slicing_, settings_, observer_, uploaded, printed_);
+  const auto again = std::exchange(again_, std::nullopt);
+  auto offer = StickOffer::read(mount, slicing_, settings_, observer_, uploaded, again ? again : printed_);
   PLUMBLINE_TRY(offer);
+  if (again && offer->renew(*again)) return offer->job();
   if (!uploaded && offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) return offer->job();
   EventKind answer{};
   do {
@@ -308,7 +313,7 @@ Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, JobStore
   PLUMBLINE_TRY(sliced);
   observer_.previewed(child_.pictures());
   for_each_remark(*sliced, [this](const Told& told, std::string_view remark) { observer_.warn(remark, told); });
-  auto profile = profile_of(job.profile, sliced->settings, name, job.by_person);
+  auto profile = profile_of(job.profile, sliced->settings, name, job.job.print_values());
   PLUMBLINE_TRY(profile);
   job.profile = *profile;
   const auto contract = agree(
@@ -388,8 +393,7 @@ Expected<PrinterDaemon::ReadJob> PrinterDaemon::read_job(const StickMount& mount
   observer_.say(text.view());
   const auto request = stick_request(job, *scan, *profile, settings_);
   PLUMBLINE_TRY(request);
-  ReadJob read{*request, *profile, job.print_values(), {}, {}};
-  if (!record_.has_job_file) read.offered = job;
+  ReadJob read{*request, *profile, job, !record_.has_job_file, {}};
   if (is_archive_name(job.scans[0])) {
     auto copied = slicing_.copy(mount, scan->front(), store_);
     PLUMBLINE_TRY(copied);
@@ -418,13 +422,40 @@ Status PrinterDaemon::print_job(PrintSession& session, ReadJob job) {
     PLUMBLINE_TRY(session.take(**std::move(wanted)));
     return true;
   };
+  commands_.change_supports = [&](std::string_view key, std::string_view value) {
+    return slice_again(job, key, value);
+  };
   const auto taken = take();
+  commands_.change_supports = nullptr;
   if (!taken || !*taken) store_.drop_received();
   PLUMBLINE_TRY(taken);
   if (!*taken) return {};
   apply(PrintEvent::kSliced);
-  printed_ = std::move(job.offered);
+  printed_.reset();
+  if (job.is_listed) printed_ = std::move(job.job);
   print(session, job.profile);
+  return {};
+}
+
+Status PrinterDaemon::slice_again(const ReadJob& job, std::string_view key, std::string_view value) {
+  const StickPort& port = commands_.of_upload ? uploads_.port() : machine_.stick;
+  if (!port.has_stick() || is_archive_name(job.job.scans[0])) {
+    return telling(
+        Told(PrinterCode::kCommandNotNow),
+        fail(ErrorCode::kBadSetting,
+             "supports can be set only while the scan is there and nobody else has sliced it.\tPut the stick "
+             "in again, or decline the print"));
+  }
+  StickJob changed = job.job;
+  PLUMBLINE_TRY(set_job_setting(changed, key, value));
+  PLUMBLINE_TRY(changed.supports.over(job.profile.supports_enable, job.profile.supports));
+  for (const PrintField& field : kPrintFields) {  // what the person has changed since it was sliced
+    const std::size_t i = index_of(field.key);
+    if (field.can_be_changed() && job.profile.sources[i] == ValueSource::kPerson)
+      changed.values[i] = value_of(job.profile, field);
+  }
+  again_ = std::move(changed);
+  last_port() = PortState::kNew;
   return {};
 }
 

@@ -55,8 +55,8 @@ class PrinterDaemon {
   struct ReadJob {
     ScanRequest request;
     PrintProfile profile;
-    PrintValues by_person;                              ///< what the job says of the print's values
-    std::optional<StickJob> offered;                    ///< none: it came from a job file
+    StickJob job;
+    bool is_listed;                                     ///< no job file names it
     std::variant<SlicedScan, JobStore::Received> scan;  ///< sliced, or an archive that was copied
   };
   /// Whether the scans in a port are offered unasked.
@@ -98,6 +98,8 @@ class PrinterDaemon {
   /// Writes reports onto the stick if it asks for them. What goes wrong is only said.
   /// @returns whether it asks
   bool store_reports();
+  /// Changes the supports of a job that was sliced, for the next turn: it is offered again, and sliced at once.
+  Status slice_again(const ReadJob& job, std::string_view key, std::string_view value);
   Status resume();
   void print(PrintSession& session, const PrintProfile& profile);
   void keep_fault(FaultCode code, std::string_view finding);
@@ -118,6 +120,7 @@ class PrinterDaemon {
   FaultCode fault_ = FaultCode::kNone;
   Uploads& uploads_;
   std::optional<StickJob> printed_;  ///< the last job; none: it came from a job file, or there was none
+  std::optional<StickJob> again_;    ///< what is sliced anew with other supports
   DaemonCommands commands_;          ///< knows what is offered, and whether the last job was that of an upload
   PortState stick_ = PortState::kNew;
   PortState upload_ = PortState::kServed;  ///< a scan that comes is offered first: Uploads::is_new()

@@ -30,6 +30,24 @@ tl::unexpected<Error> nothing_on(const StickScans& scans) {
                             unseen.c_str()));
 }
 
+/// The settings of a job that decide where its object lies on the plate.
+JobSettings placing(JobSettings job) {
+  job.layer_height = 0;
+  job.values = {};
+  job.supports = {};
+  return job;
+}
+
+/// @retval ErrorCode::kBadSetting  they are off, too
+Expected<SupportSettings> supports_of(const StickJob& job, const DaemonSettings& daemon) {
+  const auto profile = daemon.profile(job.profile);
+  PLUMBLINE_TRY(profile);
+  const auto supports = job.supports.over(profile->supports_enable, profile->supports);
+  PLUMBLINE_TRY(supports);
+  if (!*supports) return fail(ErrorCode::kBadSetting, "supports are off");
+  return **supports;
+}
+
 }  // namespace
 
 Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slicing, const DaemonSettings& settings,
@@ -81,6 +99,7 @@ Expected<bool> StickOffer::open_folder(const StickMount& mount, ScanSlicing& sli
     scans_ = std::move(*scans);
     recorder_->found(scans_, uploaded_);
     forget_proposals();
+    clear_supports();
     take(0);
   }
   return true;
@@ -134,6 +153,7 @@ void StickOffer::show() const {
 void StickOffer::choose(std::size_t scan) {
   if (choices() == 1) return;
   if (chosen_ != scan) forget_proposals();
+  if (chosen_ != scan) clear_supports();
   take(scan);
 }
 
@@ -170,8 +190,26 @@ void StickOffer::forget_proposals() {
   recorder_->forget_proposals();
 }
 
+bool StickOffer::renew(const StickJob& job) {
+  if (job_.scans != job.scans) return false;
+  job_ = job;
+  record();
+  return true;
+}
+
+/// Those that a person has set: they were for another object, or for it in another size, orientation or height.
+void StickOffer::clear_supports() {
+  if (!job_.supports.has_places()) return;
+  job_.supports.places = {};
+  recorder_->tell(
+      "the supports that were set by hand are cleared, since the object, its size, its orientation or its lift is "
+      "another "
+      "now. Set them again once it is sliced",
+      PrinterCode::kSupportsCleared);
+}
+
 Status StickOffer::set(std::string_view key, std::string_view value) {
-  const JobSettings before = job_;
+  const StickJob before = job_;
   if (key == "profile") {
     PLUMBLINE_TRY(settings_->profile(std::string(value)));
     job_.profile = value;
@@ -185,12 +223,22 @@ Status StickOffer::set(std::string_view key, std::string_view value) {
   } else {
     PLUMBLINE_TRY(set_job_setting(job_, key, value));
   }
+  const auto supports = supports_of(job_, *settings_);
+  if (!supports && job_.supports.has_places() && before.supports.places != job_.supports.places) {
+    job_ = before;
+    return tl::unexpected<Error>(supports.error());
+  }
   // Their figures hold for one size, layer height and choice of supports.
   const bool same = before.units == job_.units && before.as == job_.as && before.scale == job_.scale &&
                     before.fit == job_.fit && before.size == job_.size && before.keep_clean == job_.keep_clean &&
                     before.supports == job_.supports && before.layer_height == job_.layer_height && key != "profile" &&
                     (before.rotate_z_deg == job_.rotate_z_deg || !job_.fit);
   if (!same) forget_proposals();
+  if (job_.supports.has_places()) {
+    const auto was = supports_of(before, *settings_);
+    const bool as_high = supports && was && supports->stand == was->stand && lift_mm(*supports) == lift_mm(*was);
+    if (!as_high || placing(before) != placing(job_)) clear_supports();
+  }
   record();
   return {};
 }

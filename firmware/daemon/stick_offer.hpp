@@ -53,6 +53,8 @@ class StickOffer {
   /// @returns whether somebody does. One in which there is nothing stays closed
   /// @retval the errors of list_scans() but those of the folder
   [[nodiscard]] Expected<bool> open_folder(const StickMount& mount, ScanSlicing& slicing);
+  /// Takes a job that was offered before, if it is still that of the same files.
+  bool renew(const StickJob& job);
   /// They are there: one can be chosen.
   /// @param drawn  their pictures
   void propose(const Proposals& proposals, const ProposalPictures& drawn);
@@ -70,6 +72,7 @@ class StickOffer {
   Status wish_folder(std::uint32_t number);
   Status set(std::string_view key, std::string_view value);
   void forget_proposals();
+  void clear_supports();
   Status set_proposal(std::string_view value);
   void record() const;
 

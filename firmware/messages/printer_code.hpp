@@ -63,6 +63,7 @@ enum class PrinterCode : std::uint16_t {
   kArchiveTurned,
   kSizeOff,
   kSizeSunk,
+  kSupportMissed,
   // What a print's report warns of.
   kMayShowMark,
   kMasksLate,
@@ -130,6 +131,7 @@ enum class PrinterCode : std::uint16_t {
   kPressSoon,
   kPauseTaken,
   kCoverFirst,
+  kSupportsCleared,
   // What the checks before a print have found.
   kCheckMemory,
   kCheckObject,

@@ -101,10 +101,13 @@ Expected<std::span<std::uint8_t>> draw_thumbnail(const RRep& rrep, const Support
   return *memory;
 }
 
-void draw_layer_picture(ConstBitImage mask, LayerPicture& picture) {
-  const std::uint32_t longest = std::max(mask.columns(), mask.rows());
+std::uint32_t layer_picture_step(std::uint32_t columns, std::uint32_t rows) {
   // At most 64, since a grid has at most 16384 pixels a side.
-  const std::uint32_t side = (longest + LayerPicture::kMostColumns - 1) / LayerPicture::kMostColumns;
+  return (std::max(columns, rows) + LayerPicture::kMostColumns - 1) / LayerPicture::kMostColumns;
+}
+
+void draw_layer_picture(ConstBitImage mask, LayerPicture& picture) {
+  const std::uint32_t side = layer_picture_step(mask.columns(), mask.rows());
   picture.columns = (mask.columns() + side - 1) / side;
   picture.rows = (mask.rows() + side - 1) / side;
   const std::span<std::uint8_t> out = picture.bytes();

@@ -112,5 +112,7 @@ std::size_t preview_picture_bytes(const PrintGrid& grid);
 /// Reduces a mask: each pixel is the mean of a square of the mask's. On a core of x86-64 it takes 1.5 ms for
 /// 1440 x 2560 pixels and 6 ms for 7680 x 4320.
 void draw_layer_picture(ConstBitImage mask, LayerPicture& picture);
+/// Pixels of a mask along a side of a pixel of its picture.
+std::uint32_t layer_picture_step(std::uint32_t columns, std::uint32_t rows);
 
 }  // namespace plumbline::firmware::inline pictures

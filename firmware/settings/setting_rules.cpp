@@ -38,6 +38,9 @@ std::string allowed(const SettingRule& rule) {
     std::string operator()(const bool*) const { return "true or false"; }
     std::string operator()(const std::optional<double>*) const { return (*this)(static_cast<const double*>(nullptr)); }
     std::string operator()(const std::optional<bool>*) const { return (*this)(static_cast<const bool*>(nullptr)); }
+    std::string operator()(const PlaceListSetting& places) const {
+      return "an array of up to 32 " + std::string(places.field->allowed);
+    }
     std::string operator()(const ChoiceSetting& choice) const { return "one of the strings " + listed(choice.words); }
     std::string operator()(const NumberChoiceSetting& choice) const {
       return "one of the integers " + listed(choice.numbers) + rule.unit;

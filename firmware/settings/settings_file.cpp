@@ -19,6 +19,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -32,17 +33,26 @@ namespace {
 
 constexpr std::size_t kLongestPath = 150;  ///< characters of a path in a message, so that there is room for the rest
 
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+
 using Rules = std::span<const SettingRule>;
 
 constexpr std::string_view kNameCharacters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789 ._-";
 
 /// "a string '1440'"
-std::string found(const toml::node& node) {
+/// @param whole  also the elements of an array
+std::string found(const toml::node& node, bool whole = false) {
   const char* type = "a value";
   switch (node.type()) {
     case toml::node_type::none: break;
     case toml::node_type::table: return "a table";
-    case toml::node_type::array: return "an array";
+    case toml::node_type::array: {
+      std::string all;
+      for (const toml::node& one : *node.as_array()) {
+        all += (all.empty() ? "" : ", ") + (one.is_number() ? number(one.value_or(0.0)) : found(one));
+      }
+      return whole ? "an array [" + shortened(all, 60) + "]" : "an array";
+    }
     case toml::node_type::string: type = "a string"; break;
     case toml::node_type::integer: type = "an integer"; break;
     // toml++ writes 17 digits: 0.0047 would show as 0.0047000000000000002.
@@ -82,6 +92,21 @@ bool store_paths(const PathListSetting& paths, const SettingRule& rule, const to
   return true;
 }
 
+/// @returns the first element that is no place or has no room, the node itself if it is no array; null: all are stored
+const toml::node* store_places(const PlaceListSetting& setting, const toml::node& node) {
+  const toml::array* const list = node.as_array();
+  if (list == nullptr) return &node;
+  *setting.places = {};
+  for (const toml::node& element : *list) {
+    std::vector<double> numbers;
+    if (const toml::array* const place = element.as_array()) {
+      for (const toml::node& one : *place) numbers.push_back(one.is_number() ? one.value_or(0.0) : kNoNumber);
+    }
+    if (!add_place(numbers, *setting.field, *setting.places)) return &element;
+  }
+  return nullptr;
+}
+
 /// @returns false and stores nothing if the rule does not allow the value
 bool store(const SettingRule& rule, const toml::node& node) {
   struct Store {
@@ -111,6 +136,7 @@ bool store(const SettingRule& rule, const toml::node& node) {
     }
     bool operator()(std::optional<double>* real) const { return (*this)(&real->emplace()); }
     bool operator()(std::optional<bool>* truth) const { return (*this)(&truth->emplace()); }
+    bool operator()(const PlaceListSetting& places) const { return store_places(places, node) == nullptr; }
     bool operator()(const ChoiceSetting& choice) const {
       const auto value = node.value_exact<std::string_view>();
       const auto word = std::find(choice.words.begin(), choice.words.end(), value.value_or(""));
@@ -224,7 +250,10 @@ class SettingsFileReader {
       return refuse(table_line, shown(rule), "missing; allowed is " + allowed(rule));
     }
     if (!store(rule, *node)) {
-      return refuse(node->source().begin.line, shown(rule), "found " + found(*node) + ", allowed is " + allowed(rule));
+      const auto* const places = std::get_if<PlaceListSetting>(&rule.value);
+      if (places != nullptr) node = store_places(*places, *node);
+      return refuse(node->source().begin.line, shown(rule),
+                    "found " + found(*node, places != nullptr) + ", allowed is " + allowed(rule));
     }
     return {};
   }
@@ -250,6 +279,20 @@ class SettingsFileReader {
 };
 
 }  // namespace
+
+bool add_place(std::span<const double> numbers, const PlaceField& field, SupportPlaces& places) {
+  constexpr double kFarthest = 1000, kSmallestBall = 0.1, kUsualBall = 2, kLargestBall = 100;  // mm
+  const std::size_t most = field.has_radius() ? 4 : 3;
+  if (numbers.size() < 3 || numbers.size() > most || places.count == places.list.size()) return false;
+  SupportPlace place{numbers[0], numbers[1], numbers[2]};
+  for (const double mm : numbers.first(3)) {
+    if (!(mm >= -kFarthest && mm <= kFarthest)) return false;  // NaN is not
+  }
+  if (field.has_radius()) place.radius = numbers.size() == 4 ? numbers[3] : kUsualBall;
+  if (field.has_radius() && !(place.radius >= kSmallestBall && place.radius <= kLargestBall)) return false;
+  places.list[places.count++] = place;
+  return true;
+}
 
 bool is_setting_name(std::string_view text) {
   return text.find_first_not_of(kNameCharacters) == std::string_view::npos;

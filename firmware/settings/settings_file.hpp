@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "slicer/core/error.hpp"
+#include "slicer/supports/support_settings.hpp"
 
 namespace plumbline::firmware::inline settings {
 
@@ -51,12 +52,29 @@ struct PathListSetting {
   std::size_t most = 0;  ///< paths
 };
 
+/// A key of a list of places for supports.
+struct PlaceField {
+  std::string_view key;
+  SupportPlaces SupportSettings::*member;
+  const char* allowed;  ///< "places x, y, z; ..."
+  bool has_radius() const { return member == &SupportSettings::blocked; }
+};
+/// An array of places, each an array of numbers, mm.
+struct PlaceListSetting {
+  SupportPlaces* places = nullptr;
+  const PlaceField* field = nullptr;
+};
+/// Adds a place to a list.
+/// @param numbers  x, y, z and, of a ball, its radius, which may be left out
+/// @returns false: a number is out of range, there are too many or too few, or there is no room
+bool add_place(std::span<const double> numbers, const PlaceField& field, SupportPlaces& places);
+
 /// One key of a file: its table, what it accepts, and where its value goes.
 struct SettingRule {
   std::string_view table;
   std::string_view key;
   std::variant<TextSetting, PathListSetting, std::uint32_t*, double*, bool*, ChoiceSetting, NumberChoiceSetting,
-               std::optional<double>*, std::optional<bool>*>
+               std::optional<double>*, std::optional<bool>*, PlaceListSetting>
       value;
   double low = 0;         ///< least number, or fewest characters of each text; unused for a choice
   double high = 0;        ///< greatest; both are allowed

@@ -1,5 +1,9 @@
 #include "firmware/settings/support_choice.hpp"
 
+#include <algorithm>
+
+#include "slicer/core/numbers/to_number.hpp"
+
 namespace plumbline::firmware::inline settings {
 namespace {
 
@@ -17,7 +21,20 @@ std::string_view given_key(const SupportChoice& choice) {
   for (std::size_t i = 0; i < choice.values.size(); ++i) {
     if (choice.values[i]) return kSupportFields[i].key;
   }
+  for (std::size_t i = 0; i < kPlaceFields.size(); ++i) {
+    if (choice.places[i].count > 0) return kPlaceFields[i].key;
+  }
   return {};
+}
+
+/// Cuts the text before the first `mark` off, without spaces round it.
+std::string_view take_part(std::string_view& text, char mark) {
+  const std::size_t end = std::min(text.find(mark), text.size());
+  std::string_view part = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  while (part.starts_with(' ')) part.remove_prefix(1);
+  while (part.ends_with(' ')) part.remove_suffix(1);
+  return part;
 }
 
 template <class Value>
@@ -34,6 +51,31 @@ bool receive_one(std::uint32_t word, std::size_t values, std::optional<Value>& v
 
 }  // namespace
 
+std::string_view add_places(std::string_view text, const PlaceField& field, SupportPlaces& places) {
+  while (!text.empty()) {
+    const std::string_view place = take_part(text, ';');
+    std::string_view rest = place;
+    std::array<double, 5> numbers{};  // one more than there may be
+    std::size_t count = 0;
+    for (; !rest.empty() && count < numbers.size(); ++count) {
+      const auto number = to_number<double>(take_part(rest, ','));
+      if (!number) return place;
+      numbers[count] = *number;
+    }
+    if (!add_place(std::span(numbers).first(count), field, places)) return place.empty() ? " " : place;
+  }
+  return {};
+}
+
+void write_places(JsonWriter& json, const PlaceField& field, const SupportPlaces& places) {
+  json.begin_array(field.key, kOneLine);
+  for (const SupportPlace& p : places.all()) {
+    const std::array numbers = {p.x, p.y, p.z, p.radius};
+    json.value(std::span(numbers).first(field.has_radius() ? 4 : 3));
+  }
+  json.end_array();
+}
+
 SupportSettings SupportChoice::put_into(SupportSettings settings) const {
   if (preset) apply(kSupportPresets[*preset], settings);
   settings.buildplate_only = buildplate_only.value_or(settings.buildplate_only);
@@ -44,6 +86,7 @@ SupportSettings SupportChoice::put_into(SupportSettings settings) const {
     settings.stand = *elevation > 0 ? SupportStand::kRaised : SupportStand::kPlate;
   }
   settings.stand = stand.value_or(settings.stand);
+  for (std::size_t i = 0; i < places.size(); ++i) settings.*kPlaceFields[i].member = places[i];
   return settings;
 }
 
@@ -87,6 +130,13 @@ void add_support_rules(std::vector<SettingRule>& rules, SupportChoice& choice) {
   }
 }
 
+void add_place_rules(std::vector<SettingRule>& rules, SupportChoice& choice) {
+  for (std::size_t i = 0; i < kPlaceFields.size(); ++i) {
+    rules.push_back({"supports", kPlaceFields[i].key, PlaceListSetting{&choice.places[i], &kPlaceFields[i]}, 0, 0, "",
+                     Presence::kOptional});
+  }
+}
+
 PassedSupports pass(const SupportChoice& choice) {
   PassedSupports passed;
   passed.words = {pass_one(choice.enable), pass_one(choice.preset), pass_one(choice.stand),
@@ -95,6 +145,7 @@ PassedSupports pass(const SupportChoice& choice) {
     passed.has[i] = choice.values[i] ? 1 : 0;
     passed.value[i] = choice.values[i].value_or(0);
   }
+  passed.places = choice.places;
   return passed;
 }
 
@@ -103,6 +154,14 @@ bool receive(const PassedSupports& passed, SupportChoice& choice) {
     if (passed.has[i] == 0) continue;
     if (!(passed.value[i] >= kSupportFields[i].low && passed.value[i] <= kSupportFields[i].high)) return false;
     choice.values[i] = passed.value[i];
+  }
+  for (std::size_t i = 0; i < kPlaceFields.size(); ++i) {
+    if (passed.places[i].count > passed.places[i].list.size()) return false;
+    for (const SupportPlace& p : passed.places[i].all()) {
+      const std::array numbers = {p.x, p.y, p.z, p.radius};
+      const std::size_t count = kPlaceFields[i].has_radius() ? 4 : 3;
+      if (!add_place(std::span(numbers).first(count), kPlaceFields[i], choice.places[i])) return false;
+    }
   }
   return receive_one(passed.words[0], 2, choice.enable) &&
          receive_one(passed.words[1], kSupportPresets.size(), choice.preset) &&

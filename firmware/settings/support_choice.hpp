@@ -5,13 +5,28 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
+#include "firmware/io/text/json_writer.hpp"
 #include "firmware/settings/settings_file.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/supports/support_settings.hpp"
 
 namespace plumbline::firmware::inline settings {
+
+/// Lists of places that belong to a job, not to a profile.
+inline constexpr std::array<PlaceField, 2> kPlaceFields = {
+    {{"support_at", &SupportSettings::added, "places x, y, z; numbers from -1000 to 1000 mm"},
+     {"no_support_at", &SupportSettings::blocked,
+      "places x, y, z or x, y, z, radius; numbers from -1000 to 1000 mm, radii from 0.1 to 100 mm"}}};
+
+/// Adds the places of a text to a list: "12.5,3,20.1; 40,22,8", and with a radius "40,22,8,3", else it is 2 mm.
+/// @returns the first that is none, or has no room; empty: all were added
+std::string_view add_places(std::string_view text, const PlaceField& field, SupportPlaces& places);
+
+/// Writes a member: "support_at": [[12.5, 3, 20.1]].
+void write_places(JsonWriter& json, const PlaceField& field, const SupportPlaces& places);
 
 struct SupportChoice {
   std::optional<bool> enable;         ///< none: as in the profile
@@ -19,8 +34,10 @@ struct SupportChoice {
   std::optional<SupportStand> stand;  ///< none: see put_into()
   std::optional<bool> buildplate_only;
   std::array<std::optional<double>, kSupportFields.size()> values;  ///< in the order of kSupportFields
+  std::array<SupportPlaces, kPlaceFields.size()> places;            ///< in the order of kPlaceFields
   bool operator==(const SupportChoice&) const = default;
 
+  bool has_places() const { return places[0].count + places[1].count > 0; }
   /// `settings` with what was chosen instead. A chosen elevation without a chosen stand raises the object, or puts it on the plate if it
   /// is 0 mm. The result may contradict itself: over() checks that.
   SupportSettings put_into(SupportSettings settings) const;
@@ -35,12 +52,16 @@ struct SupportChoice {
 /// Rules for the keys of [supports] in a file, all optional; they store into `choice`. supports_enable is not among them.
 void add_support_rules(std::vector<SettingRule>& rules, SupportChoice& choice);
 
+/// The same for the lists of places, which a profile does not have.
+void add_place_rules(std::vector<SettingRule>& rules, SupportChoice& choice);
+
 /// A choice as plain numbers, from a process that is not trusted.
 struct PassedSupports {
   std::array<std::uint32_t, 4>
       words{};  ///< enable, preset, stand, buildplate_only: 0: not said, else 1 more than the value
   std::array<std::uint32_t, kSupportFields.size()> has{};  ///< 1: there is one
   std::array<double, kSupportFields.size()> value{};
+  std::array<SupportPlaces, kPlaceFields.size()> places;
 };
 PassedSupports pass(const SupportChoice& choice);
 /// @returns false: a value is impossible

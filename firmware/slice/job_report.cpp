@@ -210,6 +210,21 @@ void remark_on_normals(const PreparationReport& scan, RemarkVisit visit) {
   }
 }
 
+/// Places that shall get a support, but have no surface.
+void remark_on_missed_supports(const SupportPlaces& missed, RemarkVisit visit) {
+  if (missed.count == 0) return;
+  const SupportPlace& first = missed.list[0];
+  Sentence text;
+  if (missed.count > 1) text.add("%u places to support have no surface, the first: ", missed.count);
+  text.add(
+      "no surface within %g mm of x %.1f, y %.1f, z %.2f mm to support. Take the place from a finding, in which z is "
+      "that of the layer where the object begins, or leave it out",
+      kPlaceReach, first.x, first.y, first.z);
+  visit({PrinterCode::kSupportMissed,
+         {{Fact::kCount, missed.count}, {Fact::kXMm, first.x}, {Fact::kYMm, first.y}, {Fact::kFromMm, first.z}}},
+        text.view());
+}
+
 /// What a slicer's project holds that is not used.
 void remark_on_project(const UnusedSettings& project, RemarkVisit visit) {
   Sentence text;
@@ -380,6 +395,7 @@ void remark_on_orientation(const PreparationReport& scan, RemarkVisit visit) {
 }
 
 void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
+  remark_on_missed_supports(slice.missed_supports, visit);
   for_each_size_remark(slice, visit);
   remark_on_asked_size(slice, visit);
   if (slice.mesh) return for_each_mesh_remark(*slice.mesh, visit);

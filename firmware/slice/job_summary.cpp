@@ -161,6 +161,10 @@ void add_supports(Text& text, const JobReport& report) {
   const SupportCounts& s = report.supports;
   text.add("supports   %u below islands, %u below overhangs; %u on the plate, %u on the object, %u on other supports\n",
            s.islands, s.overhangs, s.on_plate, s.on_object, s.on_supports);
+  const std::uint32_t blocked = report.support_settings->blocked.count;
+  if (s.added + blocked > 0) {
+    text.add("           by hand: %u added, no others in %u area%s\n", s.added, blocked, plural_s(blocked));
+  }
   if (s.specks > 0) {
     text.add("           left out: %u speck%s that a tip would cover, %.3f mm3 in all\n", s.specks, plural_s(s.specks),
              s.specks_mm3);

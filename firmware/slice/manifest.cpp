@@ -5,6 +5,7 @@
 
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/io/version.hpp"
+#include "firmware/settings/support_choice.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/proof_report.hpp"
 #include "slicer/core/progress.hpp"
@@ -133,6 +134,8 @@ void write_supports(JsonWriter& json, const JobReport& report) {
   json.member("medium", s.medium);
   json.member("heavy", s.heavy);
   json.member("unreached", s.unreached());
+  json.member("added", s.added);
+  json.member("blocked_areas", report.support_settings->blocked.count);
   json.member("braces", s.braces);
   json.member("helper_pillars", s.helpers);
   json.member("pads", s.pads);
@@ -150,6 +153,7 @@ void write_supports(JsonWriter& json, const JobReport& report) {
   json.member("support_stand", kStandWords[static_cast<std::size_t>(report.support_settings->stand)]);
   json.member("support_buildplate_only", report.support_settings->buildplate_only);
   for (const SupportField& field : kSupportFields) json.member(field.key, (*report.support_settings).*field.member);
+  for (const PlaceField& field : kPlaceFields) write_places(json, field, (*report.support_settings).*field.member);
   json.end_object();
   json.end_object();
 }

@@ -141,7 +141,7 @@ Status store(RequestMember member, const Value& value, ClientRequest& request, s
       return request.key.cut() ? Status(wrong_value("key", "a text of at most 31 bytes")) : Status();
     case kValue:
       request.value.add("%.*s", static_cast<int>(value.text.size()), value.text.data());
-      return request.value.cut() ? Status(wrong_value("value", "a text of at most 63 bytes")) : Status();
+      return request.value.cut() ? Status(wrong_value("value", "a text of at most 899 bytes")) : Status();
     case kPicture: {
       const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), value.text);
       if (value.kind != Value::Kind::kText || word == kPictureWords.end()) {
@@ -249,7 +249,7 @@ Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::
   ClientRequest request;
   std::array<bool, kMembers.size()> found{};
   std::array<char, 32> name_room;
-  std::array<char, 128> value_room;
+  std::array<char, 900> value_room;
   JsonCursor cursor(line);
   if (!cursor.take('{')) return not_an_object();
   if (!cursor.take('}')) {

@@ -45,7 +45,7 @@ struct ClientRequest {
   std::optional<double> ml;  ///< of filled: resin in the tank, 0 or more; none: it is full
   FixedText<8> code;         ///< of code: digits; empty: show none any more
   FixedText<32> key;         ///< of set
-  FixedText<64> value;       ///< of set: a text, or a number, true or false as it is written
+  FixedText<900> value;      ///< of set: a text, or a number, true or false as it is written
 };
 
 /// The longest request line, bytes, without its end.

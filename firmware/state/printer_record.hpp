@@ -180,6 +180,7 @@ struct PrinterRecord {
   std::optional<FaultRecord> fault;
   const ScanPictures* scan_pictures = nullptr;  ///< of `scans`; none: nobody makes them
   const JobPictures* pictures = nullptr;        ///< none: nobody makes them
+  std::array<double, 2> mask_pixel_mm{};        ///< of a pixel of the masks' pictures, x and y
   bool has_masks = false;                       ///< the mask of any layer may be asked for
   bool has_report = false;                 ///< that of the last print may be asked for, when the printer is at rest
   const MachineRecord* machine = nullptr;  ///< what the printer remembers; none: nothing

@@ -118,6 +118,9 @@ void write_supports(JsonWriter& json, const SupportChoice& choice) {
   for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
     if (choice.values[i]) json.member(kSupportFields[i].key, *choice.values[i]);
   }
+  for (std::size_t i = 0; i < kPlaceFields.size(); ++i) {
+    if (choice.places[i].count > 0) write_places(json, kPlaceFields[i], choice.places[i]);
+  }
   json.end_object();
 }
 
@@ -188,6 +191,7 @@ void write_sliced(JsonWriter& json, const PrinterRecord& record) {
   json.begin_object(kOneLine);
   json.member("layer_height_mm", thousandths(record.sliced->plan.layer_height.millimetres()));
   json.member("layers", record.sliced->plan.layers);
+  json.member("mask_pixel_mm", record.mask_pixel_mm);
   write_contract(json, *record.sliced);
   json.end_object();
 }

@@ -241,8 +241,8 @@ void add_program_options(CLI::App& app, JobOptions& job) {
       ->group(kProgramGroup);
 }
 
-std::string option_name(const SupportField& field) {
-  std::string name = "--" + std::string(field.key);
+std::string option_name(std::string_view key) {
+  std::string name = "--" + std::string(key);
   std::replace(name.begin(), name.end(), '_', '-');
   return name;
 }
@@ -287,9 +287,34 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
          "--support-buildplate-only", [&choice](std::int64_t count) { choice.buildplate_only = count > 0; },
          "Let no support end on the object; a place that none reaches from the plate gets none")
       ->group(kSupportsGroup);
+  constexpr const char* kFrame =
+      "mm of the print: x and y from the corner of the mask, z from the plate, as findings have them. For one size and "
+      "orientation only. May be repeated, such as ";
+  const std::array help = {
+      std::string("Put a support at the surface nearest to this place, ") + kFrame + "--support-at 12.5,3,20.1",
+      std::string("Let no other support touch the object within R of this place [2], ") + kFrame +
+          "--no-support-at 40,22,8,1.5"};
+  for (std::size_t i = 0; i < kPlaceFields.size(); ++i) {
+    const std::string name = option_name(kPlaceFields[i].key);
+    app.add_option_function<std::vector<std::string>>(
+           name,
+           [&choice, name, i](const std::vector<std::string>& texts) {
+             for (const std::string& text : texts) {
+               const std::string_view wrong = text.empty() ? " " : add_places(text, kPlaceFields[i], choice.places[i]);
+               if (wrong.empty()) continue;
+               throw CLI::ValidationError(name + ": '" + printable(wrong) + "' is not one of up to 32 " +
+                                          kPlaceFields[i].allowed);
+             }
+           },
+           help[i])
+        ->type_name(kPlaceFields[i].has_radius() ? "X,Y,Z[,R]" : "X,Y,Z")
+        ->take_all()
+        ->allow_extra_args(false)
+        ->group(kSupportsGroup);
+  }
   for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
     const SupportField& field = kSupportFields[i];
-    const std::string name = option_name(field);
+    const std::string name = option_name(field.key);
     char range[64];
     std::snprintf(range, sizeof range, ", %g to %g %s [%g]", field.low, field.high, field.unit.data(),
                   SupportSettings().*field.member);

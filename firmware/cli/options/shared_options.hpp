@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <string_view>
 
 #include "firmware/settings/check_policy.hpp"
 #include "firmware/settings/job_options.hpp"
@@ -41,6 +42,6 @@ CLI::Option* add_slicing_options(CLI::App& app, JobOptions& job, SupportChoice& 
 void add_look_options(CLI::App& app, JobOptions& job, std::string& picture, const char* drawn);
 
 /// "--support-head-width" for support_head_width.
-std::string option_name(const SupportField& field);
+std::string option_name(std::string_view key);
 
 }  // namespace plumbline::firmware

@@ -79,6 +79,16 @@ std::optional<Status> set_support(SupportChoice& choice, std::string_view key, s
     choice.values[i] = number;
     return Status();
   }
+  for (std::size_t i = 0; i < kPlaceFields.size(); ++i) {
+    if (kPlaceFields[i].key != key) continue;
+    SupportPlaces places;
+    const std::string_view wrong = add_places(value, kPlaceFields[i], places);
+    FixedText<200> allowed;
+    allowed.add("up to 32 %s; with a semicolon between them, or \"\" for none", kPlaceFields[i].allowed);
+    if (!wrong.empty()) return refused(key, wrong.substr(0, 60), allowed.c_str());
+    choice.places[i] = places;
+    return Status();
+  }
   const auto put = [&](std::span<const std::string_view> words, const char* allowed, auto& to) -> Status {
     const auto word = index_of(words, value);
     if (!word && !value.empty()) return refused(key, value, allowed);

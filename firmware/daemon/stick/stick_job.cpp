@@ -59,6 +59,7 @@ std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
     if (field.is_whole()) rule.value = &texts.counts[i];
   }
   add_support_rules(rules, job.supports);
+  add_place_rules(rules, job.supports);
   return rules;
 }
 

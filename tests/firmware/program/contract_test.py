@@ -3,9 +3,10 @@
 
 import io
 import json
+import shutil
 import zipfile
 
-from case import SIM2K, add_ball, main, write_sphere
+from case import SIM2K, SOURCE_DIR, add_ball, main, write_sphere
 from sliced_test import square
 from state_client import StatePrinter
 
@@ -115,6 +116,55 @@ class Contract(StatePrinter):
         user.state("plate in use")
         report = json.loads((self.folder / "report.json").read_text())
         self.assertGreater(report["contract"]["points_off_percent"], 16)
+
+    def test_supports_are_set_by_hand_before_slicing_and_after(self):
+        job = '[job]\nscan = "ball.ply"\nsupports = "auto"\n[supports]\nno_support_at = [[1, 2, 3]]\n[placement]\nlayer_height = 0.1\n'
+        shutil.copytree(SOURCE_DIR / "board" / "profiles", self.dir / "board" / "profiles")
+        board = self.dir / "board" / "sim2k.toml"
+        board.write_text(SIM2K.read_text().replace('"on_request"', '"after_preview"'))
+        _, user = self.start(speedup=1e4, printer=board)
+        self.put_stick({"ball.ply": 4.0}, job)
+        offered = user.state("offered", "start")
+        self.assertEqual(offered["job"]["support_values"], {"no_support_at": [[1, 2, 3, 2]]})
+        user.refused("support_at: found '1,nan,3', allowed is up to 32 places x, y, z", "set", key="support_at", value="1,2,3;1,nan,3")
+        # As long as the longest list: coordinates with hundredths, and radii.
+        most = [f"{100 + i}.25,{100 + i}.75,{100 + i}.05,2.5" for i in range(32)]
+        user.do("set", key="no_support_at", value=";".join(most))
+        user.until(lambda s: len(s["job"]["support_values"]["no_support_at"]) == 32, "32 areas")
+        user.refused("no_support_at: found '1,2,3'", "set", key="no_support_at", value=";".join([*most, "1,2,3"]))
+        user.do("set", key="no_support_at", value="1,2,3")
+        user.do("set", key="support_at", value="12.5,-3,20.1; 40,22,8")
+        user.do("set", key="exposure_time", value=3)
+        user.until(lambda s: s["job"]["support_values"].get("support_at") == [[12.5, -3, 20.1], [40, 22, 8]], "the places")
+        # Another size, orientation or lift: the places would be others.
+        for key, value in (("height", "7mm"), ("rotate_x_deg", 10), ("support_object_elevation", 3), ("supports", "none")):
+            user.until(lambda s: "support_at" in s["job"]["support_values"], "places")
+            user.do("set", key=key, value=value)
+            cleared = user.until(lambda s: "support_at" not in s["job"]["support_values"], "no places")
+            self.assertEqual(cleared["message_told"]["code"], "supports_cleared")
+            if key != "supports":
+                user.do("set", key="support_at", value="12.5,3,20.1")
+        user.do("set", key="support_object_elevation", value="")
+        user.refused("support_at is given, but supports are off", "set", key="support_at", value="1,2,3")
+        user.do("set", key="supports", value="auto")
+        user.do("start")
+        asked = user.until(lambda s: s["state"] == "offered" and s["masks"], "a question")
+        self.assertNotIn("support_missed", [one["told"]["code"] for one in asked["findings"] if one["told"]])
+        user.refused("can't be changed once the layers are made", "set", key="support_stand", value="plate")
+        user.refused("allowed is up to 32 places", "set", key="support_at", value="1,2")
+        # It is sliced anew with the place, and asked about again, with what was changed meanwhile.
+        user.do("set", key="exposure_time", value=4)
+        user.do("set", key="support_at", value="1,1,30", **{"for": asked["job"]["id"]})
+        again = user.until(lambda s: s["state"] == "offered" and s["masks"] and s["job"]["id"] != asked["job"]["id"], "the next question")
+        self.assertEqual(again["job"]["support_values"]["support_at"], [[1, 1, 30]])
+        missed = next(one for one in again["findings"] if one["told"] and one["told"]["code"] == "support_missed")
+        self.assertEqual(missed["told"]["values"], {"count": 1, "x_mm": 1, "y_mm": 1, "from_mm": 30})
+        self.assertEqual((again["job"]["layer_height"], values(again)["exposure_time"]), (0.1, (4, "person")))
+        # Without its stick it can't be sliced anew.
+        self.stick.rename(self.dir / "pulled")
+        user.until(lambda s: not s["stick"]["present"], "no stick")
+        user.refused("only while the scan is there", "set", key="support_at", value="")
+        self.finish(user)
 
     def test_command_line_asks_and_takes_values(self):
         part = self.dir / "part.zip"

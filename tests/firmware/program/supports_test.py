@@ -57,6 +57,35 @@ class Supports(Program):
             self.assertIn(f"stands     {sentence}\n", self.slice_it(*arguments, "--no-preview").stdout)
             self.assertEqual(self.stand(), (height, height > 0, flat))
 
+    def test_supports_are_set_by_hand(self):
+        self.slice_it("--no-preview", "--support-stand", "plate")
+        found = self.manifest()["supports"]
+        self.assertEqual((found["added"], found["blocked_areas"], found["settings"]["support_at"]), (0, 0, []))
+        # Low on the sphere's side, where its slope carries itself; and one above it, where there is nothing.
+        self.slice_it("--no-preview", "--supports", "none")
+        place = self.place_at_the_side()
+        issues = self.slice_it("--no-preview", "--support-stand", "plate", "--support-at", "900,3,20.1")
+        self.assertIn("no surface within 1.5 mm of x 900.0, y 3.0, z 20.10 mm to support", issues.stderr)
+        text = ",".join(map(str, place))
+        done = self.slice_it("--no-preview", "--support-stand", "plate", "-v", "--support-at", text, "--no-support-at", "0,0,900", "--no-support-at", "1,2,900,0.5")
+        self.assertNotIn("no surface", done.stderr)
+        self.assertIn("by hand: 1 added, no others in 2 areas", done.stdout + done.stderr)
+        supports = self.manifest()["supports"]
+        self.assertEqual((supports["added"], supports["blocked_areas"]), (1, 2))
+        self.assertEqual(supports["settings"]["support_at"], [place])
+        self.assertEqual(supports["settings"]["no_support_at"], [[0, 0, 900, 2], [1, 2, 900, 0.5]])
+        self.assertEqual(supports["below_overhangs"] + supports["below_islands"], found["count"] + 1)
+
+    def place_at_the_side(self):
+        """4 mm above the plate, in print coordinates."""
+        manifest = self.manifest()
+        grid = manifest["grid"]
+        _, rows = png_rows((self.out / "layers" / f"{int(4 / grid['layer_height_mm']):05}.png").read_bytes())
+        row = len(rows) // 2
+        bits = "".join(f"{byte:08b}" for byte in rows[row])
+        column = bits.index("1")
+        return [round((column + 0.5) * grid["pixel_pitch_mm"][0], 3), round((row + 0.5) * grid["pixel_pitch_mm"][1], 3), 4.0]
+
     def stand(self):
         supports = self.manifest()["supports"]
         height = round(supports["lifted_layers"] * self.manifest()["grid"]["layer_height_mm"], 6)
@@ -70,6 +99,12 @@ class Supports(Program):
             (("--support-stand", "plate", "--support-object-elevation", 3), "support_object_elevation is 3 mm, but support_stand is plate"),
             (("--support-stand", "up"), "'up' is not one of auto, plate, raised"),
             (("--supports", "yes"), "yes"),
+            (("--support-at", "1,2"), "--support-at: '1,2' is not one of up to 32 places x, y, z"),
+            (("--support-at", "nan,2,3"), "'nan,2,3'"),
+            (("--support-at", ""), "--support-at: ' '"),
+            (("--support-at", ";".join(f"1,2,{i}" for i in range(33))), "'1,2,32'"),
+            (("--no-support-at", "1,2,3,0"), "radii from 0.1 to 100 mm"),
+            (("--supports", "none", "--support-at", "1,2,3"), "support_at is given, but supports are off"),
         ):
             done = self.slice_it(*arguments, status=2)
             self.assertIn(message, done.stderr)

@@ -3,12 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <initializer_list>
+#include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace plumbline::firmware {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::optional<double>& value(SupportChoice& choice, std::string_view key) {
@@ -75,6 +79,82 @@ TEST(SupportChoice, IsRefusedIfSupportsAreOff) {
   EXPECT_THAT(off.error().message(), HasSubstr("support_stand is given, but supports are off"));
   choice.enable = true;
   EXPECT_TRUE(choice.over(false, {}));
+}
+
+std::string many(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += (i > 0 ? ";1,2," : "1,2,") + std::to_string(i);
+  return text;
+}
+
+TEST(SupportPlaces, AreReadAsPeopleTypeThem) {
+  const auto& [at, not_at] = kPlaceFields;
+  SupportPlaces places;
+  EXPECT_EQ(add_places("12.5,-3,20.1; 40 , 22 ,8;", at, places), "");
+  EXPECT_THAT(places.all(), ElementsAre(SupportPlace{12.5, -3, 20.1}, SupportPlace{40, 22, 8}));
+  EXPECT_EQ(add_places("1,2,3", at, places), "");
+  EXPECT_EQ(places.count, 3U) << "added to what was there";
+  SupportPlaces balls;
+  EXPECT_EQ(add_places("40,22,8;1,2,3,0.1", not_at, balls), "");
+  EXPECT_THAT(balls.all(), ElementsAre(SupportPlace{40, 22, 8, 2}, SupportPlace{1, 2, 3, 0.1}));
+  SupportPlaces all;
+  EXPECT_EQ(add_places(many(32), at, all), "");
+  EXPECT_EQ(add_places("9,9,9", at, all), "9,9,9") << "there is no room";
+}
+
+TEST(SupportPlaces, AreRefusedByTheFirstThatIsNone) {
+  const auto& [at, not_at] = kPlaceFields;
+  for (const auto& [text, wrong] :
+       std::initializer_list<std::pair<const char*, const char*>>{{"1,2", "1,2"},
+                                                                  {"1,2,3;4,5,6,7", "4,5,6,7"},
+                                                                  {"1,2,nan", "1,2,nan"},
+                                                                  {"1,2,inf", "1,2,inf"},
+                                                                  {"1,2,1e300", "1,2,1e300"},
+                                                                  {"1001,2,3", "1001,2,3"},
+                                                                  {"1,2,3 mm", "1,2,3 mm"},
+                                                                  {"1;2;3", "1"},
+                                                                  {"1,,3", "1,,3"},
+                                                                  {";1,2,3", " "},
+                                                                  {"x", "x"}}) {
+    SupportPlaces places;
+    EXPECT_EQ(add_places(text, at, places), wrong);
+  }
+  for (const char* const text : {"1,2,3,0", "1,2,3,-1", "1,2,3,101", "1,2,3,nan", "1,2,3,4,5", "1,2,3,4,5,6,7"}) {
+    SupportPlaces places;
+    EXPECT_EQ(add_places(text, not_at, places), text);
+  }
+  SupportPlaces places;
+  EXPECT_EQ(add_places(many(33), at, places), "1,2,32");
+}
+
+TEST(SupportPlaces, BelongToTheJobAndNeedSupports) {
+  SupportChoice choice;
+  ASSERT_EQ(add_places("1,2,3", kPlaceFields[1], choice.places[1]), "");
+  EXPECT_TRUE(choice.has_places());
+  EXPECT_EQ(chosen(choice).blocked.count, 1U);
+  EXPECT_EQ(chosen(choice).added.count, 0U);
+  const auto off = choice.over(false, {});
+  ASSERT_FALSE(off);
+  EXPECT_THAT(off.error().message(), HasSubstr("no_support_at is given, but supports are off"));
+}
+
+TEST(SupportPlaces, OfAProcessThatIsNotTrustedAreChecked) {
+  SupportChoice choice;
+  ASSERT_EQ(add_places("1,2,3;4,5,6", kPlaceFields[0], choice.places[0]), "");
+  ASSERT_EQ(add_places("1,2,3,7", kPlaceFields[1], choice.places[1]), "");
+  SupportChoice received;
+  ASSERT_TRUE(receive(pass(choice), received));
+  EXPECT_EQ(received, choice);
+  for (const auto& spoil : std::initializer_list<void (*)(PassedSupports&)>{
+           [](PassedSupports& p) { p.places[0].count = 33; }, [](PassedSupports& p) { p.places[0].count = ~0U; },
+           [](PassedSupports& p) { p.places[0].list[1].z = std::numeric_limits<double>::quiet_NaN(); },
+           [](PassedSupports& p) { p.places[1].list[0].radius = 0; },
+           [](PassedSupports& p) { p.places[1].list[0].x = -1e9; }}) {
+    PassedSupports passed = pass(choice);
+    spoil(passed);
+    SupportChoice refused;
+    EXPECT_FALSE(receive(passed, refused));
+  }
 }
 
 }  // namespace

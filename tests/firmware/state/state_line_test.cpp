@@ -76,6 +76,10 @@ std::unique_ptr<PrinterRecord> longest_record() {
   for (auto& file : job.files) fill(file);
   job.file_count = job.files.size();
   fill(job.profile);
+  for (SupportPlaces& places : job.supports.places) {
+    places.list.fill({-123.4567890123456, -123.4567890123456, -123.4567890123456, 12.34567890123456});
+    places.count = 32;
+  }
   job.scale = 1.2345678901234567e-5;
   record->result = PrintState::kSuspended;
   for (auto& profile : record->profiles) fill(profile);

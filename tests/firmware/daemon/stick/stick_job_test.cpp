@@ -55,6 +55,39 @@ TEST(StickJob, TakesSupportsAsAProfileDoes) {
   EXPECT_THAT(wrong.error().message(), HasSubstr("allowed is one of the strings auto, plate or raised"));
 }
 
+TEST(StickJob, TakesPlacesOfSupports) {
+  const auto parsed = [](const std::string& line) {
+    return parse_stick_job("[job]\nscan = 'a.ply'\n[supports]\n" + line + "\n", "job.toml");
+  };
+  const auto job =
+      parsed("support_at = [[12.5, -3, 20.1], [1, 2, 3]]\nno_support_at = [[40.0, 22.0, 8.0], [1, 2, 3, 0.5]]");
+  ASSERT_TRUE(job) << job.error().message();
+  EXPECT_THAT(job->supports.places[0].all(), ElementsAre(SupportPlace{12.5, -3, 20.1}, SupportPlace{1, 2, 3}));
+  EXPECT_THAT(job->supports.places[1].all(), ElementsAre(SupportPlace{40, 22, 8, 2}, SupportPlace{1, 2, 3, 0.5}));
+  EXPECT_FALSE(parsed("support_at = []")->supports.has_places());
+  std::string many;
+  for (int i = 0; i < 33; ++i) many += "[1, 2, " + std::to_string(i) + "],";
+  // The element that is wrong is shown, in its own line.
+  for (const auto& [wrong, words] : std::vector<std::pair<std::string, std::string>>{
+           {"support_at = [[1, 2, 3],\n[4, nan, 6]]",
+            "job.toml:5: [supports] support_at: found an array [4, nan, 6], allowed is an array of up to 32 places"},
+           {"support_at = [[1, 2, inf]]", "job.toml:4: "},
+           {"support_at = [[1, 2, 1e9]]", "from -1000 to 1000 mm"},
+           {"support_at = [[1, 2]]", "found an array [1, 2]"},
+           {"support_at = [[1, 2, 3, 4]]", "found an array [1, 2, 3, 4]"},
+           {"support_at = [1, 2, 3]", "found an integer 1"},
+           {"support_at = [['1', '2', '3']]", "support_at: found an array"},
+           {"support_at = '1,2,3'", "found a string '1,2,3'"},
+           {"support_at = [" + many + "]", "found an array [1, 2, 32], allowed is an array of up to 32 places"},
+           {"no_support_at = [[1, 2, 3, 0]]", "radii from 0.1 to 100 mm"},
+           {"no_support_at = [[1, 2, 3, nan]]", "no_support_at: found an array"}}) {
+    const auto refused = parsed(wrong);
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_EQ(refused.error().code(), ErrorCode::kBadSetting);
+    EXPECT_THAT(refused.error().message(), HasSubstr(words)) << wrong;
+  }
+}
+
 TEST(StickJob, TakesSeveralFilesAsOneScan) {
   const auto job = parse_stick_job("[job]\nscan = ['front.ply', 'more/back.ply']\n", "job.toml");
   ASSERT_TRUE(job) << job.error().message();

@@ -40,6 +40,7 @@ TEST_F(StickTask, ReadsAJobFileAsThisProcessDoes) {
       "[job]\nscan = 'a.ply'\nsupports = 'none'\nbase = 'flat'\n",
       "[job]\nscan = 'a.ply'\n[supports]\nsupport_preset = 'heavy'\nsupport_stand = 'raised'\n"
       "support_buildplate_only = false\nsupport_object_elevation = 3\n",
+      "[job]\nscan = 'a.ply'\n[supports]\nsupport_at = [[1, 2, 3.5], [-4, 5, 6]]\nno_support_at = [[7, 8, 9]]\n",
       "[job]\nscan = 'a.ply'\n[placement]\nheight = '8 cm'\norient = 'auto'\nkeep_clean = '+z'\n",
       "[job]\nscan = 'a.ply'\nfloor = 'keep'\n",
       "[job]\nscan = 'a.ply'\nfloor = '-3.5'\n",
