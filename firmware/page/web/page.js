@@ -433,6 +433,40 @@ $("mask").onload = $("mask").onerror = (event) => {
   if (state && state.masks) showLayer();
 };
 $("layer").oninput = showLayer;
+// Supports by hand: a tap on the mask is a place of the print, which becomes one of the job's lists. The printer then slices anew.
+const lists = {support_at: words.supportsAdded, no_support_at: words.supportsBlocked};
+const listOf = (key) => state.job && state.job.support_values[key] || [];
+const inMm = ([x, y, z, radius]) => `x ${number(x, 1)}, y ${number(y, 1)}, z ${number(z, 2)} mm${radius ? ` (r ${number(radius, 1)} mm)` : ""}`;
+let tapped = null;
+function setPlaces(key, places) {
+  tapped = null;
+  command({do: "set", key, value: places.map((place) => place.map((mm) => Math.round(mm * 100) / 100).join(",")).join(";"), ...jobId() && {for: jobId()}});
+}
+$("mask").onclick = (event) => {
+  const mask = $("mask"), [width, depth] = state.sliced.mask_pixel_mm;
+  if (!mask.naturalWidth || layerAsked) return;
+  // The middle of a pixel of the picture, at the underside of the layer.
+  const pixel = (at, shown, pixels) => Math.min(pixels - 1, Math.max(0, Math.floor(at / shown * pixels))) + 0.5;
+  tapped = [pixel(event.offsetX, mask.clientWidth, mask.naturalWidth) * width, pixel(event.offsetY, mask.clientHeight, mask.naturalHeight) * depth,
+            (Number(mask.dataset.layer) - 1) * state.sliced.layer_height_mm];
+  showByHand();
+};
+$("support-here").onclick = () => setPlaces("support_at", [...listOf("support_at"), tapped]);
+$("no-support-here").onclick = () => setPlaces("no_support_at", [...listOf("no_support_at"), tapped]);
+function showByHand() {
+  const may = state.state === "offered" && state.commands.includes("set") && Boolean(state.job) && state.sliced && !state.sliced.values.some(({source}) => source === "archive");
+  $("by-hand").hidden = !may;
+  if (!may) return;
+  show("tapped", Boolean(tapped), tapped ? inMm(tapped) : "");
+  $("support-here").hidden = $("no-support-here").hidden = !tapped;
+  const kept = Object.entries(lists).filter(([key]) => listOf(key).length);
+  fill($("places"), [kept.map(([key]) => listOf(key)), jobId()], () => kept.map(([key, name]) => {
+    const line = element("p", `${name}: ${listOf(key).map(inMm).join("; ")} `), clear = element("button", words.clearPlaces, {type: "button"});
+    clear.onclick = () => setPlaces(key, []);
+    line.append(clear);
+    return line;
+  }));
+}
 function showMasks() {
   const shown = Boolean(state.masks && state.sliced);
   const of = shown ? jobId() || "" : null;
@@ -441,6 +475,7 @@ function showMasks() {
   // Nothing of another job stays, nor may what is on its way come in its place.
   layersOf = of;
   layerAsked = 0;
+  tapped = null;
   delete $("mask").dataset.layer;
   $("mask").removeAttribute("src");
   show("mask-error", false);
@@ -708,7 +743,7 @@ function render() {
   show("simulated", state.simulated, words.simulated);
   document.body.dataset.state = state.state;
   closeOldQuestion();
-  for (const part of [showNow, showButtons, showFacts, showPictures, showTurn, showMasks, showContract, showStick, showUpload, showSettings, showWays, showLists, showPrints]) part();
+  for (const part of [showNow, showButtons, showFacts, showPictures, showTurn, showMasks, showByHand, showContract, showStick, showUpload, showSettings, showWays, showLists, showPrints]) part();
 }
 
 // --- From the printer
@@ -764,6 +799,9 @@ function sayWords() {
   put("#pair button.main", words.pair);
   put("#pair button[type=button]", words.close);
   put("#layers label", words.layer);
+  put("#by-hand-hint", words.byHandHint);
+  put("#support-here", words.supportHere);
+  put("#no-support-here", words.noSupportHere);
   put("#turn-left", words.turnLeft);
   put("#turn-right", words.turnRight);
   $("stage").setAttribute("aria-label", words.turnTitle);
