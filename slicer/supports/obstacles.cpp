@@ -192,24 +192,6 @@ bool Obstacles::is_footing(std::uint32_t column, std::uint32_t row, std::uint32_
   return true;
 }
 
-bool Obstacles::is_inside(std::int64_t column, std::int64_t row, std::int64_t layer, std::int64_t voxels) const {
-  if (column < 0 || row < 0 || layer < 0) return false;
-  const std::int64_t x = column / columns_;
-  const std::int64_t y = row / rows_;
-  const std::int64_t z = layer / layers_;
-  if (std::min({x, y, z}) < voxels || x + voxels >= nx_ || y + voxels >= ny_ || z + voxels >= nz_) return false;
-  for (std::int64_t k = z - voxels; k <= z + voxels; ++k) {
-    for (std::int64_t r = y - voxels; r <= y + voxels; ++r) {
-      for (std::int64_t c = x - voxels; c <= x + voxels; ++c) {
-        if (!slab(static_cast<std::uint32_t>(k)).at(static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(r))) {
-          return false;
-        }
-      }
-    }
-  }
-  return true;
-}
-
 Vec3d Obstacles::normal(std::uint32_t column, std::uint32_t row, std::uint32_t layer, std::int32_t radius) const {
   const auto x = static_cast<std::int32_t>(column / columns_);
   const auto y = static_cast<std::int32_t>(row / rows_);

@@ -40,9 +40,6 @@ class Obstacles {
   /// @param floor  floor_below()
   bool is_footing(std::uint32_t column, std::uint32_t row, std::uint32_t floor) const;
 
-  /// Whether all is solid at a place and up to so many voxels beside, above and below it.
-  bool is_inside(std::int64_t column, std::int64_t row, std::int64_t layer, std::int64_t voxels) const;
-
   /// The outward normal of the surface at a place: a unit vector from the centre of what is solid around it. The z axis,
   /// downwards, if nothing is.
   /// @param radius  voxels

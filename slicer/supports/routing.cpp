@@ -299,38 +299,37 @@ Expected<bool> Routing::stand_below(const Tip& tip, Head& head) {
   return true;
 }
 
-/// A pin with a head at both ends, at 45 degrees down from the tip to the nearest wall that it can reach into.
+/// A pin at 45 degrees down from the tip to the nearest wall that it can reach into, thickest in its middle.
 Expected<bool> Routing::lean_on_object(Head& head) {
-  constexpr double kStep = Obstacles::kVoxel_mm / 2;
-  // A voxel may be solid only at its far side.
-  const double deep = std::max(settings_.head_penetration, Obstacles::kVoxel_mm);
-  for (double way = kAtTip; way <= kLongestLean; way += kStep) {
+  constexpr double kVoxel = Obstacles::kVoxel_mm;
+  const double deep = std::max(settings_.head_penetration, kVoxel);  // a voxel may be solid only at its far side
+  for (double way = kAtTip; way <= kLongestLean; way += kVoxel / 2) {
     const double cone = std::min(settings_.head_width, way / 2);
     const double radius = head.tip_radius + (head.radius - head.tip_radius) * cone / settings_.head_width;
     for (const auto& aside : kRound) {
       const auto at = [&](double away) {
         return Place{head.tip.x + kC * aside[0] * away, head.tip.y + kC * aside[1] * away, head.tip.z - kC * away};
       };
-      const auto is_inside = [&](double away, std::int64_t voxels) {
-        const Place place = at(away);
-        return obstacles_.is_inside(static_cast<std::int64_t>(std::floor(place.x / px_ + 0.5)),
-                                    static_cast<std::int64_t>(std::floor(place.y / py_ + 0.5)),
-                                    static_cast<std::int64_t>(std::floor(place.z / lh_)), voxels);
+      const auto pixel = [](double mm, double pitch) {
+        return static_cast<std::uint32_t>(std::max(0.0, mm / pitch + 0.5));
       };
-      if (is_inside(way - kStep, 0)) continue;
-      double inside = 0;
-      while (inside < deep && is_inside(way + inside, 0)) inside += kStep;
-      const Place foot = at(way);
-      if (inside < deep || !is_inside(way + deep, 1) || !is_way_clear(foot, head.tip, radius, radius, {0, 0})) continue;
+      const auto is_clear = [&](double away) {
+        const auto [x, y, z] = at(away);
+        return obstacles_.is_clear(pixel(x, px_), pixel(y, py_), static_cast<std::int64_t>(std::floor(z / lh_)), 0);
+      };
+      if (!is_clear(way - kVoxel / 2)) continue;
+      double solid = 0;
+      while (solid < deep + kVoxel && !is_clear(way + solid)) solid += kVoxel / 2;
       const Place end = at(way + deep);
-      const std::uint32_t floor = list_.layer_at(foot.z);
+      if (solid < deep + kVoxel || !is_way_clear(at(way), head.tip, radius, radius, {0, 0}) ||
+          !obstacles_.is_footing(pixel(end.x, px_), pixel(end.y, py_), list_.layer_at(end.z + kVoxel))) {
+        continue;
+      }
       head.joint = at(way - cone);
       head.radius = radius;
       ++counts_.on_object;
-      PLUMBLINE_TRY(
-          list_.add(StrutKind::kBase, end, foot, list_.layer_at(end.z), floor, head.tip_radius, head.tip_radius));
-      PLUMBLINE_TRY(
-          list_.add(StrutKind::kBase, foot, head.joint, floor, list_.layer_at(head.joint.z), head.tip_radius, radius));
+      PLUMBLINE_TRY(list_.add(StrutKind::kBase, end, head.joint, list_.layer_at(end.z), list_.layer_at(head.joint.z),
+                              head.tip_radius, radius));
       return true;
     }
   }

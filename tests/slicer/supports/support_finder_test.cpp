@@ -74,11 +74,11 @@ void expect_printable(const Supported& s) {
     for (std::uint32_t k = strut.first; k < strut.end; ++k) {
       const StrutSection disc = section_of(strut, k);
       EXPECT_TRUE(s.masks[k].at(disc.column, disc.row)) << "broken in layer " << k;
-      if (strut.kind == StrutKind::kBase && strut.radius0 == strut.radius1) continue;  // a pad, or a foot in the object
+      // A pad, or a foot in the object, upright or in a wall.
+      const bool leans = strut.column0 != strut.column1 || strut.row0 != strut.row1;
+      if (strut.kind == StrutKind::kBase && (leans || strut.radius0 == strut.radius1)) continue;
       // A slanted head meets the surface at its side.
       if (strut.kind == StrutKind::kHead && k + 2 >= strut.end) continue;
-      const bool leans = strut.column0 != strut.column1 || strut.row0 != strut.row1;
-      if (strut.kind == StrutKind::kBase && leans && k < strut.first + 2U) continue;
       EXPECT_FALSE(s.object[k].at(disc.column, disc.row))
           << "through the object in layer " << k << ", kind " << static_cast<int>(strut.kind);
     }
