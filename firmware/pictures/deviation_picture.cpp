@@ -45,7 +45,7 @@ void paint(std::span<const OrientedPoint> points, std::span<const float> deviati
   const DepthMap& map = view.map;
   // A point stands for a piece of the surface; half of them are seen. A view is at most as large as its map.
   const double piece = 2.0 * map.columns * map.rows / static_cast<double>(std::max<std::size_t>(points.size(), 1));
-  const auto reach = static_cast<std::int64_t>(std::clamp(1.3 * std::sqrt(piece), 3.0, 40.0));
+  const auto reach = static_cast<std::int64_t>(std::clamp(2 * std::sqrt(piece), 3.0, 40.0));
   const auto steepest = static_cast<float>(4 * reach);  // a piece may be steep, and its walls thin
   std::vector<float> nearest(map.depth.size(), static_cast<float>(reach * reach));
   for (std::size_t i = 0; i < points.size(); ++i) {

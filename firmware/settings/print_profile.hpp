@@ -24,7 +24,7 @@ struct PrintProfile {
   double penetration_depth = 0;          ///< [resin] mm: Dp of Jacobs' working curve Cd = Dp ln(E / Ec)
   double critical_energy = 0;            ///< [resin] mJ/cm2: Ec of that curve
   double exchange = 0;                   ///< [resin] 0: doses of layers add up, 1: each lift brings fresh resin
-  double blur = 0.5;                     ///< [resin] pixels: sigma of the Gaussian that the light of a mask is blurred by
+  double blur = 0.5;                     ///< [resin] pixels: sigma of the Gaussian that blurs the light
   PeelSettings peel;                     ///< [resin] green_strength, plate_adhesion and peel_...
   double bottle_cost = 0;                ///< [resin] of a bottle, in any currency; 0: unknown
   double bottle_volume = 0;              ///< [resin] ml of a bottle; 0: unknown

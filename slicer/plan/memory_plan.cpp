@@ -55,7 +55,7 @@ RayYield expected_yield(const PrintGrid& grid, double crossings_per_ray) {
 
 std::size_t store_bytes(const PrintGrid& grid, const RayYield& yield) {
   const std::size_t tiles = std::size_t{(grid.columns + 7) / 8} * ((grid.rows + 7) / 8);
-  return 4 * tiles + bounded(yield.rays + 4 * yield.crossings);
+  return 4 * tiles + bounded(yield.rays + 2 * yield.crossings);
 }
 
 std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield) {

@@ -30,7 +30,7 @@ struct RayYield {
   double crossings = 0;  ///< of all rays
 };
 
-/// Bytes of the crossing store: one a ray for its count, four a crossing, four a tile.
+/// Bytes of the crossing store: one a ray for its count, two a crossing, four a tile.
 std::size_t store_bytes(const PrintGrid& grid, const RayYield& yield);
 /// Bytes of the R-Rep: four a crossing, four a layer.
 std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield);

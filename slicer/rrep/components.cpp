@@ -24,7 +24,7 @@ constexpr std::uint32_t kOutside = 0;  ///< number of the interval outside the o
 /// c crossings part the ray into intervals 0 to c; the odd ones are solid. Interval 0, and interval c if c is even, are
 /// outside; the others are numbered in the order of the rays.
 struct Ray {
-  std::span<const CrossingHeight> crossings;
+  StoredHeights crossings;
   std::uint32_t first = 0;
 
   /// Inner intervals.
@@ -35,9 +35,9 @@ struct Ray {
   std::uint32_t number(std::uint32_t interval) const {
     return interval == 0 || interval > inner() ? kOutside : first + interval - 1;
   }
-  std::uint32_t low(std::uint32_t interval) const { return interval == 0 ? 0 : crossings[interval - 1].layer(); }
+  std::uint32_t low(std::uint32_t interval) const { return interval == 0 ? 0 : crossings.layer(interval - 1); }
   std::uint32_t high(std::uint32_t interval, std::uint32_t layers) const {
-    return interval < crossings.size() ? crossings[interval].layer() : layers;
+    return interval < crossings.size() ? crossings.layer(interval) : layers;
   }
 };
 

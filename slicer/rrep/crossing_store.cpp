@@ -21,20 +21,21 @@ CrossingHeight height_of(float depth, const PrintGrid& grid) {
 Expected<CrossingStore> CrossingStore::create(const PrintGrid& grid, Arena& arena) {
   CrossingStore store;
   store.grid_ = grid;
+  store.part_bits_ = StoredHeights::part_bits(grid);
   store.bottom_mark_ = arena.bottom_mark();
   store.tile_columns_ = (grid.columns + kTileSide - 1) / kTileSide;
   store.tile_rows_ = (grid.rows + kTileSide - 1) / kTileSide;
   PLUMBLINE_TRY(arena.take_bottom(store.directory_, std::size_t{store.tile_columns_} * store.tile_rows_, "R-Rep"));
   std::fill(store.directory_.begin(), store.directory_.end(), kEmpty);
   const std::span<std::byte> room = arena.free_room();
-  store.data_ = {reinterpret_cast<CrossingHeight*>(room.data()),
-                 std::min<std::size_t>(room.size() / sizeof(CrossingHeight), kEmpty - 1)};
+  store.data_ = {reinterpret_cast<std::uint16_t*>(room.data()),
+                 std::min<std::size_t>(room.size() / sizeof(std::uint16_t), kEmpty - 1)};
   return store;
 }
 
 Status CrossingStore::put(std::uint32_t tile, std::span<const std::uint8_t> counts,
                           std::span<const CrossingHeight> heights) {
-  const auto need = static_cast<std::uint32_t>(kCountUnits + heights.size());
+  const auto need = static_cast<std::uint32_t>(kRaysPerTile / 2 + heights.size());
   const std::uint32_t at = std::atomic_ref(used_).fetch_add(need, std::memory_order_relaxed);
   if (std::uint64_t{at} + need > data_.size()) {
     return fail(
@@ -44,7 +45,8 @@ Status CrossingStore::put(std::uint32_t tile, std::span<const std::uint8_t> coun
         mib(data_.size_bytes()));
   }
   std::memcpy(&data_[at], counts.data(), kRaysPerTile);
-  std::copy(heights.begin(), heights.end(), data_.begin() + at + kCountUnits);
+  std::ranges::transform(heights, data_.begin() + at + kRaysPerTile / 2,
+                         [&](CrossingHeight height) { return StoredHeights::stored(height, part_bits_); });
   directory_[tile] = at;
   return {};
 }
@@ -57,25 +59,25 @@ Expected<CrossingStore::RowRoom> CrossingStore::take_row_room(Arena& arena) cons
   return room;
 }
 
-std::span<const CrossingHeight> CrossingStore::ray(std::uint32_t column, std::uint32_t row) const {
+StoredHeights CrossingStore::ray(std::uint32_t column, std::uint32_t row) const {
   const std::uint32_t at = directory_[row / kTileSide * tile_columns_ + column / kTileSide];
   if (at == kEmpty) return {};
   const auto* const counts = reinterpret_cast<const std::uint8_t*>(&data_[at]);
   const std::uint32_t number = row % kTileSide * kTileSide + column % kTileSide;
   const std::uint32_t before = std::accumulate(counts, counts + number, 0U);
-  return data_.subspan(at + kCountUnits + before, counts[number]);
+  return {data_.subspan(at + kRaysPerTile / 2 + before, counts[number]), part_bits_};
 }
 
 std::uint32_t CrossingStore::crossings() const {
   const auto empty = static_cast<std::size_t>(std::count(directory_.begin(), directory_.end(), kEmpty));
-  return used_ - static_cast<std::uint32_t>((directory_.size() - empty) * kCountUnits);
+  return used_ - static_cast<std::uint32_t>((directory_.size() - empty) * kRaysPerTile / 2);
 }
 
 Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = store.grid_;
   // The R-Rep stays until the print ends, so it belongs at the bottom: move the store out of its way.
-  std::span<CrossingHeight> data;
+  std::span<std::uint16_t> data;
   std::span<std::uint32_t> directory, first, packed;
   PLUMBLINE_TRY(arena.take_top(data, store.used_, "R-Rep"));
   PLUMBLINE_TRY(arena.take_top(directory, store.directory_.size(), "R-Rep"));
@@ -95,9 +97,9 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
       if (crossings.empty()) continue;
       // Layers where the ray leaves minus those where it enters. One that does not leave goes on to the top.
       std::uint32_t inside = 0;
-      for (const CrossingHeight height : crossings) {
-        ++first[height.layer() + std::size_t{1}];
-        inside = height.layer() - inside;
+      for (std::size_t i = 0; i < crossings.size(); ++i) {
+        ++first[crossings.layer(i) + std::size_t{1}];
+        inside = crossings.layer(i) - inside;
       }
       store.section_pixels_ += crossings.size() % 2 == 0 ? inside : grid.layers - inside;
     }
@@ -109,8 +111,9 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   store.for_each_row(*room, [&](std::uint32_t row, std::span<const RayRef> rays) {
     std::uint32_t at = row * grid.columns;
     for (const RayRef& ray : rays) {
-      for (const CrossingHeight height : ray.crossings()) {
-        packed[first[height.layer()]++] = packing.packed(at, height.part());
+      const auto crossings = ray.crossings();
+      for (std::size_t i = 0; i < crossings.size(); ++i) {
+        packed[first[crossings.layer(i)]++] = packing.packed(at, crossings.part(i));
       }
       ++at;
     }

@@ -2,6 +2,7 @@
 /// Collects the crossings of all rays and sorts them into the R-Rep.
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 
@@ -12,12 +13,39 @@
 
 namespace plumbline::inline slicer {
 
-/// Crossings in the order in which the rays deliver them: per tile 64 counts of one byte, then the height of each crossing. Tiles are
+/// The heights of a ray's crossings in 16 bits each: layer, and below it as much of the height within the layer as there is room for,
+/// 5 bits where an object has 1,025 to 2,048 layers. Upwards.
+class StoredHeights {
+ public:
+  StoredHeights() = default;
+  StoredHeights(std::span<const std::uint16_t> heights, unsigned part_bits)
+      : heights_(heights), part_bits_(part_bits) {}
+  static unsigned part_bits(const PrintGrid& grid) {
+    return std::min(CrossingHeight::kBits, 16 - static_cast<unsigned>(std::bit_width(grid.layers - 1)));
+  }
+  static std::uint16_t stored(CrossingHeight height, unsigned part_bits) {
+    return static_cast<std::uint16_t>(height.layer() << part_bits |
+                                      height.part() >> (CrossingHeight::kBits - part_bits));
+  }
+
+  std::size_t size() const { return heights_.size(); }
+  bool empty() const { return heights_.empty(); }
+  std::uint32_t layer(std::size_t i) const { return static_cast<std::uint32_t>(heights_[i]) >> part_bits_; }
+  std::uint32_t part(std::size_t i) const {
+    const std::uint32_t part = heights_[i] % (1U << part_bits_);
+    return (2 * part + 1) << (CrossingHeight::kBits - part_bits_) >> 1U;
+  }
+
+ private:
+  std::span<const std::uint16_t> heights_;
+  unsigned part_bits_ = 0;
+};
+
+/// Crossings in the order in which the rays deliver them: per tile 64 counts of one byte, then two bytes a crossing. Tiles are
 /// stored at the bottom of the arena in the order in which the threads finish; a directory says where each begins.
 class CrossingStore {
  public:
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
-  static constexpr std::uint32_t kCountUnits = kRaysPerTile / sizeof(CrossingHeight);  ///< room of a tile's counts
 
   /// Takes the directory. Until close() the crossings use all that is left of the arena, from which nothing must be taken.
   /// @retval ErrorCode::kOutOfMemory
@@ -38,7 +66,7 @@ class CrossingStore {
   /// The crossings of one ray. They may be rewritten, but not become more.
   class RayRef {
    public:
-    std::span<const CrossingHeight> crossings() const { return {read_, *count_}; }
+    StoredHeights crossings() const { return {{read_, *count_}, part_bits_}; }
     /// Leaves the crossings for whose number keeps() is true.
     template <class Keeps>
     void rewrite(Keeps keeps) {
@@ -54,14 +82,15 @@ class CrossingStore {
    private:
     friend class CrossingStore;
     std::uint8_t* count_ = nullptr;
-    const CrossingHeight* read_ = nullptr;
-    CrossingHeight** write_ = nullptr;  ///< where the next crossing of the tile is written
+    const std::uint16_t* read_ = nullptr;
+    std::uint16_t** write_ = nullptr;  ///< where the next crossing of the tile is written
+    unsigned part_bits_ = 0;
   };
 
   /// Work space of for_each_row().
   struct RowRoom {
     std::span<RayRef> rays;
-    std::span<CrossingHeight*> reads, writes;  ///< of each tile
+    std::span<std::uint16_t*> reads, writes;  ///< of each tile
   };
   static std::size_t row_room_bytes(const PrintGrid& grid) {
     return grid.columns * (sizeof(RayRef) + 2 * sizeof(void*));
@@ -76,9 +105,9 @@ class CrossingStore {
   void for_each_row(const RowRoom& room, Visit visit);
 
   /// The crossings of the ray of a pixel.
-  std::span<const CrossingHeight> ray(std::uint32_t column, std::uint32_t row) const;
+  StoredHeights ray(std::uint32_t column, std::uint32_t row) const;
 
-  std::size_t bytes() const { return directory_.size_bytes() + std::size_t{used_} * sizeof(CrossingHeight); }
+  std::size_t bytes() const { return directory_.size_bytes() + std::size_t{used_} * sizeof(std::uint16_t); }
   std::uint32_t crossings() const;  ///< of all rays
 
   /// Takes the memory that the crossings use. Call it after the last put().
@@ -97,9 +126,10 @@ class CrossingStore {
   std::uint32_t tile_columns_ = 0;
   std::uint32_t tile_rows_ = 0;
   std::size_t bottom_mark_ = 0;
-  std::span<std::uint32_t> directory_;  ///< where each tile begins, in units of a height
-  std::span<CrossingHeight> data_;
+  std::span<std::uint32_t> directory_;  ///< where each tile begins, in units of 2 bytes
+  std::span<std::uint16_t> data_;
   std::uint32_t used_ = 0;  ///< of data_
+  unsigned part_bits_ = 0;
   std::uint64_t section_pixels_ = 0;
 };
 
@@ -111,7 +141,8 @@ void CrossingStore::for_each_row(const RowRoom& room, Visit visit) {
     if (std::ranges::all_of(directory, [](std::uint32_t at) { return at == kEmpty; })) continue;
     for (std::uint32_t t = 0; t < tile_columns_; ++t) {
       // The end of data_ if the last tile has no crossings.
-      room.reads[t] = room.writes[t] = directory[t] == kEmpty ? nullptr : data_.data() + directory[t] + kCountUnits;
+      room.reads[t] = room.writes[t] =
+          directory[t] == kEmpty ? nullptr : data_.data() + directory[t] + kRaysPerTile / 2;
     }
     for (std::uint32_t r = 0; r < kTileSide && tile_row * kTileSide + r < grid_.rows; ++r) {
       for (std::uint32_t c = 0; c < grid_.columns; ++c) {
@@ -120,6 +151,7 @@ void CrossingStore::for_each_row(const RowRoom& room, Visit visit) {
         ray.count_ = &none;
         ray.read_ = room.reads[t];
         ray.write_ = &room.writes[t];
+        ray.part_bits_ = part_bits_;
         if (directory[t] != kEmpty) {
           ray.count_ =
               reinterpret_cast<std::uint8_t*>(&data_[directory[t]]) + std::size_t{r} * kTileSide + c % kTileSide;

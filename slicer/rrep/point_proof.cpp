@@ -57,9 +57,9 @@ class Prover {
       return {};
     }
     RayLook found;
-    for (const CrossingHeight crossing :
-         store_.ray(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row))) {
-      const float height = static_cast<float>(crossing.layer()) * grid_.layer_height_mm;
+    const auto crossings = store_.ray(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row));
+    for (std::size_t i = 0; i < crossings.size(); ++i) {
+      const float height = static_cast<float>(crossings.layer(i)) * grid_.layer_height_mm;
       if (height <= z) found.solid = !found.solid;
       found.nearest = std::min(found.nearest, std::abs(height - z));
     }

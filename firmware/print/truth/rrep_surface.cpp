@@ -95,7 +95,8 @@ class Rays {
 };
 
 /// The plane through the faces near one; none at an edge.
-std::optional<OrientedPoint> plane_at(const Rays& rays, const PrintGrid& grid, const VoxelFace& face) {
+/// @param chance  evenly from 0 to 1: none, too, for as many as make the area of slopes in faces larger than their own
+std::optional<OrientedPoint> plane_at(const Rays& rays, const PrintGrid& grid, const VoxelFace& face, double chance) {
   constexpr std::int64_t kReach = 4;  // pixels
   const Vec3d pixel(double{grid.pitch_x_mm}, double{grid.pitch_y_mm}, double{grid.layer_height_mm});
   const Vec3d area(pixel[1] * pixel[2], pixel[2] * pixel[0], pixel[0] * pixel[1]);
@@ -118,6 +119,7 @@ std::optional<OrientedPoint> plane_at(const Rays& rays, const PrintGrid& grid, c
   // The other side of a thin wall faces the other way.
   Vec3d facing = Vec3d::Zero(), sum = Vec3d::Zero();
   for_each_near(2, [&](const VoxelFace& f, const Vec3d&, double weight) { facing[f.axis] += f.outwards * weight; });
+  if (chance * facing.cwiseAbs().sum() >= std::sqrt(facing.dot(facing))) return std::nullopt;
   double weights = 0;
   Mat3d squares = Mat3d::Zero();
   for_each_near(kReach, [&](const VoxelFace& f, const Vec3d& off, double weight) {
@@ -144,27 +146,27 @@ TrueSurface surface_samples(const RRep& rrep) {
   const PrintGrid& grid = rrep.grid;
   const Rays rays(rrep);
   const double side = static_cast<double>(grid.layer_height_mm / std::max(grid.pitch_x_mm, grid.pitch_y_mm));
-  const auto for_each = [&](std::int64_t step, auto visit) {
-    for (std::int64_t row = 0; row <= grid.rows; row += step) {
+  const auto chance = [](std::uint64_t number) { return static_cast<double>(mix64(number)) / 0x1p64; };
+  // Enough rays for the points; all of a small object.
+  const double looked_at = std::min(1.0, 100'000 / static_cast<double>(rrep.crossings() + 1));
+  const auto for_each = [&](auto visit) {
+    for (std::int64_t row = 0; row <= grid.rows; ++row) {
       if (rays.is_empty(row) && rays.is_empty(row - 1)) continue;
       for (std::int64_t column = 0; column <= grid.columns; ++column) {
+        if (chance(static_cast<std::uint64_t>(row * 65536 + column)) >= looked_at) continue;
         rays.for_each_face(column, row, 0, std::int64_t{grid.layers} + 1, visit);
       }
     }
   };
-  constexpr std::int64_t kCounted = 7;  // rows to one that is counted
   double faces = 0;
-  for_each(kCounted, [&](const VoxelFace& face) { faces += kCounted * (face.axis == 2 ? 1 : side); });
+  for_each([&](const VoxelFace& face) { faces += face.axis == 2 ? 1 : side; });
   // A surface has up to 1.7 times its area in faces, depending on its normal; 1.5 times on average.
   const double share = 1.5 * kPoints / std::max(1.0, faces);
-  const auto chance = [](std::uint64_t number) { return static_cast<double>(mix64(number)) / 0x1p64; };
-  for_each(1, [&](const VoxelFace& face) {
+  for_each([&](const VoxelFace& face) {
     const auto number =
         static_cast<std::uint64_t>(((face.layer * 65536 + face.row) * 65536 + face.column) * 4 + face.axis);
     if (chance(number) >= (face.axis == 2 ? share : side * share)) return;
-    const auto point = plane_at(rays, grid, face);
-    if (point && chance(~number) < 1 / static_cast<double>(point->normal.cwiseAbs().sum()))
-      surface.points.push_back(*point);
+    if (const auto point = plane_at(rays, grid, face, chance(~number))) surface.points.push_back(*point);
   });
   return surface;
 }

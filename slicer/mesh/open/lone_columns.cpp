@@ -15,10 +15,10 @@ struct Column {
 };
 
 /// Layers of [low, high) in which a ray is solid.
-std::uint32_t shared_layers(std::span<const CrossingHeight> ray, std::uint32_t low, std::uint32_t high) {
+std::uint32_t shared_layers(const StoredHeights& ray, std::uint32_t low, std::uint32_t high) {
   std::uint32_t shared = 0;
   for (std::size_t i = 0; i + 1 < ray.size(); i += 2) {
-    const std::uint32_t from = std::max(ray[i].layer(), low), to = std::min(ray[i + 1].layer(), high);
+    const std::uint32_t from = std::max(ray.layer(i), low), to = std::min(ray.layer(i + 1), high);
     if (from < to) shared += to - from;
   }
   return shared;
@@ -56,7 +56,7 @@ Expected<std::uint32_t> drop_lone_columns(CrossingStore& store, Arena& arena) {
       for (std::uint32_t column = 0; column < rays.size(); ++column) {
         const auto crossings = rays[column].crossings();
         for (std::uint32_t i = 0; i + 1 < crossings.size() && count < kMostAtATime; i += 2) {
-          const std::uint32_t low = crossings[i].layer(), high = crossings[i + 1].layer();
+          const std::uint32_t low = crossings.layer(i), high = crossings.layer(i + 1);
           if (high - low < kLeastColumnLayers || !is_lone(store, column, row, low, high)) continue;
           (*found)[count++] = {row, column, i};
         }

@@ -61,8 +61,9 @@ TEST(Orientation, CostsWhatAFormulaSaysOfABall) {
   const Sampled ball(sphere(20000, 10, {0, 0, 0}));
   const OrientationCost cost = cost_of(ball.samples, {30, 40});
   const double scale = 4 * kPi * 100 / static_cast<double>(ball.samples.area);
-  // Below 45 degrees south the ball covers pi r^2 / 2 of the plate, but for the foot.
-  EXPECT_NEAR(cost.support_area * scale + cost.foot_area * scale, kPi * 50, 0.08 * kPi * 50);
+  // Within 35 degrees of straight down the ball covers pi (r sin 35)^2 of the plate, with the foot.
+  const double covered = kPi * 100 * std::pow(std::sin(35 * kPi / 180), 2);
+  EXPECT_NEAR(cost.support_area * scale + cost.foot_area * scale, covered, 0.08 * covered);
   EXPECT_NEAR(cost.peel_area * scale, kPi * 100, 0.05 * kPi * 100);
   EXPECT_NEAR(cost.height, 20, 0.5);
 }
@@ -143,8 +144,8 @@ TEST(Orientation, TheBestDifferFromEachOtherAndFromTheScanAsItCame) {
 TEST(Orientation, AScarOnTheSideThatStaysCleanCostsWhatAFormulaSaysOfABall) {
   const Sampled ball(sphere(20000, 10, {0, 0, 0}));
   const double scale = 4 * kPi * 100 / static_cast<double>(ball.samples.area);
-  // The integral of cos^2 over the cap within 45 degrees of straight down, but for the foot in its middle, where the cosine is above 0.97.
-  const double cap = 2 * kPi * 100 * (std::pow(0.97, 3) - std::pow(0.5, 1.5)) / 3;
+  // The integral of cos^2 over the cap within 35 degrees of straight down, but for the foot in its middle, where the cosine is above 0.97.
+  const double cap = 2 * kPi * 100 * (std::pow(0.97, 3) - std::pow(std::cos(35 * kPi / 180), 3)) / 3;
   EXPECT_NEAR(cost_of(ball.samples, {0, 0}, CleanSide::kMinusZ).clean_area * scale, cap, 0.12 * cap);
   EXPECT_NEAR(cost_of(ball.samples, {180, 0}, CleanSide::kMinusZ).clean_area * scale, 0, 1e-3 * cap);
   EXPECT_NEAR(cost_of(ball.samples, {90, 0}, CleanSide::kPlusY).clean_area * scale, 0, 1e-3 * cap) << "its -y is down";
