@@ -100,7 +100,7 @@ std::uint64_t slice_it(std::string_view bytes, const char* name, std::uint8_t op
   }
   check_crossings(*rrep);
   std::uint64_t hash = rrep->grid.layers;
-  for (const std::uint32_t pixel : rrep->packed) hash = (hash ^ packed) * 1099511628211U;
+  for (const std::uint32_t packed : rrep->packed) hash = (hash ^ packed) * 1099511628211U;
   if (report.mesh && report.mesh->closed) {
     require(report.mesh->broken_rays == 0, "a ray leaves a closed mesh more often than it enters");
   }
