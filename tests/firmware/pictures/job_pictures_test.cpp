@@ -61,17 +61,18 @@ TEST(LayerPicture, HasTheMeanOfEachSquareOfTheMask) {
 /// The R-Rep of a box in pixels and layers.
 struct BoxRRep {
   explicit BoxRRep(const PrintGrid& grid) {
+    const CrossingPacking packing(grid);
     for (std::uint32_t k = 0; k < grid.layers; ++k) {
-      first.push_back(static_cast<std::uint32_t>(pixel.size()));
+      first.push_back(static_cast<std::uint32_t>(packed.size()));
       if (k > 0) continue;
       for (std::uint32_t r = 40; r < 60; ++r) {
-        for (std::uint32_t c = 20; c < 80; ++c) pixel.push_back(r * grid.columns + c);
+        for (std::uint32_t c = 20; c < 80; ++c) packed.push_back(packing.packed(r * grid.columns + c));
       }
     }
-    first.push_back(static_cast<std::uint32_t>(pixel.size()));
-    rrep = {grid, first, pixel};
+    first.push_back(static_cast<std::uint32_t>(packed.size()));
+    rrep = {grid, first, packed};
   }
-  std::vector<std::uint32_t> first, pixel;
+  std::vector<std::uint32_t> first, packed;
   RRep rrep;
 };
 
@@ -235,19 +236,20 @@ TEST(SidePictures, GoRoundToTheRight) {
   grid.columns = grid.rows = 100;
   grid.layers = 40;
   grid.pitch_x_mm = grid.pitch_y_mm = grid.layer_height_mm = 0.1F;
-  std::vector<std::uint32_t> first, pixel;
+  std::vector<std::uint32_t> first, packed;
+  const CrossingPacking packing(grid);
   const auto toggle = [&](std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t r = 20; r < 80; ++r) {
-      for (std::uint32_t c = begin; c < end; ++c) pixel.push_back(r * grid.columns + c);
+      for (std::uint32_t c = begin; c < end; ++c) packed.push_back(packing.packed(r * grid.columns + c));
     }
   };
   for (std::uint32_t k = 0; k < grid.layers; ++k) {
-    first.push_back(static_cast<std::uint32_t>(pixel.size()));
+    first.push_back(static_cast<std::uint32_t>(packed.size()));
     if (k == 0) toggle(20, 80);
     if (k == 5) toggle(20, 70);
   }
-  first.push_back(static_cast<std::uint32_t>(pixel.size()));
-  const RRep rrep{grid, first, pixel};
+  first.push_back(static_cast<std::uint32_t>(packed.size()));
+  const RRep rrep{grid, first, packed};
   std::vector<std::byte> memory(std::size_t{14} << 20U);
   Arena arena(memory);
   const auto sides = std::make_unique<SidePictures>();
