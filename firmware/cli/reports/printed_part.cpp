@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <span>
 #include <vector>
 
 #include "firmware/io/mask_hash.hpp"
@@ -27,10 +28,10 @@ struct PartRRep {
     const CrossingPacking packing({.columns = layer.columns(), .rows = layer.rows()});
     for (std::uint32_t r = 0; r < layer.rows(); ++r) {
       const auto words = layer.row(r);
-      const auto row_below = below.begin() + std::ptrdiff_t{r} * layer.stride();
-      if (std::equal(words.begin(), words.end(), row_below)) continue;
+      const auto row_below = std::span(below).subspan(std::size_t{r} * layer.stride(), words.size());
+      if (std::ranges::equal(words, row_below)) continue;
       for (std::size_t w = 0; w < words.size(); ++w) {
-        std::uint64_t& before = row_below[static_cast<std::ptrdiff_t>(w)];
+        std::uint64_t& before = row_below[w];
         for (std::uint64_t changed = words[w] ^ before; changed != 0; changed &= changed - 1) {
           const auto column =
               static_cast<std::uint32_t>(w * 64) + static_cast<std::uint32_t>(std::countr_zero(changed));

@@ -19,7 +19,8 @@ double distance(const Strut& strut, const PrintGrid& grid, const Vec3d& point) {
   const double radius = (strut.radius0 + (strut.radius1 - strut.radius0) * along) / 1000;
   if (strut.lies != 0) along = square > 0 ? std::clamp(beside.dot(way) / square, 0.0, 1.0) : 0;
   const Vec3d off = beside - along * way;
-  return std::hypot(std::max(0.0, std::sqrt(off.dot(off)) - radius), point[2] - height);
+  const double aside = std::max(0.0, std::sqrt(off.dot(off)) - radius), above = point[2] - height;
+  return std::sqrt(aside * aside + above * above);
 }
 
 }  // namespace

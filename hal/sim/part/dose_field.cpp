@@ -61,8 +61,9 @@ void DoseField::add(const CuredLayer& cured, ConstBitImage mask) {
   layer.stride = end_word - layer.first_word;
   layer.words.reserve(static_cast<std::size_t>(layer.rows * layer.stride));
   for (std::int64_t row = layer.first_row; row < end_row; ++row) {
-    const auto words = mask.row(static_cast<std::uint32_t>(row)).begin();
-    layer.words.insert(layer.words.end(), words + layer.first_word, words + end_word);
+    const auto words = mask.row(static_cast<std::uint32_t>(row))
+                           .subspan(static_cast<std::size_t>(layer.first_word), static_cast<std::size_t>(layer.stride));
+    layer.words.insert(layer.words.end(), words.begin(), words.end());
   }
   reach_mm_ = std::max(reach_mm_, model_.reach_mm(cured.dose));
   // A stage that has lost steps cures a layer below another.

@@ -287,7 +287,9 @@ TEST(SupportShape, LeansAPinOnTheNearestWallWhereNoPillarStands) {
       for (int dy = -reach; dy <= reach; ++dy) {
         for (int dx = -reach; dx <= reach; ++dx) {
           if (dx * dx + dy * dy > reach * reach) continue;
-          ASSERT_FALSE(print.object[k].at(disc.column + dx, disc.row + dy)) << "near a wall in layer " << k;
+          ASSERT_FALSE(print.object[k].at(disc.column + static_cast<std::uint32_t>(dx),
+                                          disc.row + static_cast<std::uint32_t>(dy)))
+              << "near a wall in layer " << k;
         }
       }
       ++measured;
