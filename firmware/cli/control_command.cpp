@@ -103,7 +103,8 @@ CLI::App* add_control_command(CLI::App& app, ControlOptions& options) {
     }
     if (word.command == Command::kSet) {
       verb->add_option("key", options.key, "Such as scale, supports, layer_height")->required()->type_name("KEY");
-      verb->add_option("value", options.value, "A number, a word, true, false, or places: \"12.5,3,20.1; 40,22,8\"")
+      verb->add_option("value", options.value,
+                       "A number, a word, true, false, or places such as \"12.5,3,20.1; 40,22,8\"")
           ->required()
           ->type_name("VALUE");
     }

@@ -78,9 +78,10 @@ void add_simulation_options(CLI::App& app, PrintOptions& print) {
                  "Write the part as the simulated printer made it: layers, preview and manifest")
       ->type_name("DIR")
       ->group(kSimulation);
-  app.add_option("--truth", print.truth,
-                 "Measure the part against a closed mesh, which lies in the scan's coordinates [what was sliced, with "
-                 "--keep-part]")
+  app.add_option(
+         "--truth", print.truth,
+         "Measure the part against this closed mesh, in the coordinates of the scan [with --keep-part: what was "
+         "sliced]")
       ->type_name("MESH")
       ->excludes("--resume")
       ->group(kSimulation);
@@ -114,7 +115,7 @@ Status check_archive_options(const PrintOptions& options) {
   const JobOptions& job = options.job;
   if (!options.truth.empty()) {
     return fail(ErrorCode::kBadSetting,
-                "%s: is sliced already, and does not say where its mesh lies.\tLeave out --truth",
+                "%s: an archive does not say where the mesh lies in its layers.\tLeave out --truth",
                 job.scans[0].c_str());
   }
   const bool turned = job.orient || job.rotate_degrees != decltype(job.rotate_degrees){};
@@ -345,7 +346,7 @@ class SimulatedUser final : public PrintObserver {
   std::optional<TimePoint> asked_at_;
 };
 
-/// Measures the part, if it is known what is true.
+/// Measures the part against the mesh of --truth, or else against the R-Rep.
 std::optional<MeasuredSurface> measure(const std::optional<TruthMesh>& truth, const Printable& printable,
                                        const Witness& witness) {
   const Placement& placement = printable.slice.placement;

@@ -432,7 +432,7 @@ Status PrinterDaemon::print_job(PrintSession& session, ReadJob job) {
   if (!*taken) return {};
   apply(PrintEvent::kSliced);
   printed_.reset();
-  if (job.is_listed) printed_ = std::move(job.job);
+  if (job.is_chosen) printed_ = std::move(job.job);
   print(session, job.profile);
   return {};
 }
@@ -443,8 +443,8 @@ Status PrinterDaemon::slice_again(const ReadJob& job, std::string_view key, std:
     return telling(
         Told(PrinterCode::kCommandNotNow),
         fail(ErrorCode::kBadSetting,
-             "supports can be set only while the scan is there and nobody else has sliced it.\tPut the stick "
-             "in again, or decline the print"));
+             "supports can't be changed: the scan is no longer there, or another program has sliced it.\tDecline the "
+             "print and put the stick in again"));
   }
   StickJob changed = job.job;
   PLUMBLINE_TRY(set_job_setting(changed, key, value));

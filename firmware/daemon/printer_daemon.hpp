@@ -56,7 +56,7 @@ class PrinterDaemon {
     ScanRequest request;
     PrintProfile profile;
     StickJob job;
-    bool is_listed;                                     ///< no job file names it
+    bool is_chosen;                                     ///< by a person, not named by a job file
     std::variant<SlicedScan, JobStore::Received> scan;  ///< sliced, or an archive that was copied
   };
   /// Whether the scans in a port are offered unasked.

@@ -197,14 +197,13 @@ bool StickOffer::renew(const StickJob& job) {
   return true;
 }
 
-/// Those that a person has set: they were for another object, or for it in another size, orientation or height.
+/// Clears supports set by hand, which hold for one object in one size, orientation and height above the plate.
 void StickOffer::clear_supports() {
   if (!job_.supports.has_places()) return;
   job_.supports.places = {};
   recorder_->tell(
-      "the supports that were set by hand are cleared, since the object, its size, its orientation or its lift is "
-      "another "
-      "now. Set them again once it is sliced",
+      "supports set by hand were cleared, because the object, its size, its orientation or its height above the plate "
+      "has changed. Set them again once it is sliced",
       PrinterCode::kSupportsCleared);
 }
 

@@ -53,7 +53,8 @@ class StickOffer {
   /// @returns whether somebody does. One in which there is nothing stays closed
   /// @retval the errors of list_scans() but those of the folder
   [[nodiscard]] Expected<bool> open_folder(const StickMount& mount, ScanSlicing& slicing);
-  /// Takes a job that was offered before, if it is still that of the same files.
+  /// Offers an earlier job again.
+  /// @returns false: its files are not the ones that are there
   bool renew(const StickJob& job);
   /// They are there: one can be chosen.
   /// @param drawn  their pictures

@@ -43,7 +43,7 @@ std::uint8_t colour_of(float deviation_mm) {
 /// Gives each sample of a view that shows the object the colour of the nearest point that is seen near it.
 void paint(std::span<const OrientedPoint> points, std::span<const float> deviations_mm, const SeenView& view) {
   const DepthMap& map = view.map;
-  // A point stands for a piece of the surface; half of them are seen. A view is at most as large as its map.
+  // Half of the points face the view, so each covers about this many samples, at most.
   const double piece = 2.0 * map.columns * map.rows / static_cast<double>(std::max<std::size_t>(points.size(), 1));
   const auto reach = static_cast<std::int64_t>(std::clamp(2 * std::sqrt(piece), 3.0, 40.0));
   const auto steepest = static_cast<float>(4 * reach);  // a piece may be steep, and its walls thin

@@ -103,7 +103,7 @@ void add_part(Text& text, const PartFigures& part) {
   text.add("\n");
 }
 
-/// How far the part is from what is true; less than a micrometre is not worth a digit.
+/// The part's deviation, in whole micrometres.
 void add_deviation(Text& text, const DeviationFigures& from) {
   text.add("deviation  %.0f um RMS from %s", from.rms, from.against.c_str());
   const auto add = [&text](const char* what, double mean, double rms) {
@@ -113,7 +113,7 @@ void add_deviation(Text& text, const DeviationFigures& from) {
   add("walls", from.wall_mean, from.wall_rms);
   if (std::isfinite(from.top_rms)) text.add(", tops %.0f um RMS", from.top_rms);
   const auto missing = static_cast<double>(from.missing) / static_cast<double>(std::max<std::uint64_t>(from.points, 1));
-  if (from.missing > 0) text.add("; %.2g %% of the surface not there", 100 * missing);
+  if (from.missing > 0) text.add("; %.2g %% of the surface missing", 100 * missing);
   text.add("\n");
 }
 

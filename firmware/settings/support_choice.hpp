@@ -21,8 +21,8 @@ inline constexpr std::array<PlaceField, 2> kPlaceFields = {
      {"no_support_at", &SupportSettings::blocked,
       "places x, y, z or x, y, z, radius; numbers from -1000 to 1000 mm, radii from 0.1 to 100 mm"}}};
 
-/// Adds the places of a text to a list: "12.5,3,20.1; 40,22,8", and with a radius "40,22,8,3", else it is 2 mm.
-/// @returns the first that is none, or has no room; empty: all were added
+/// Reads places, such as "12.5,3,20.1; 40,22,8", and adds them to a list. A field with a radius also takes "40,22,8,3"; it is 2 mm if not given.
+/// @returns the first that is not a place or has no room; empty: all were added
 std::string_view add_places(std::string_view text, const PlaceField& field, SupportPlaces& places);
 
 /// Writes a member: "support_at": [[12.5, 3, 20.1]].

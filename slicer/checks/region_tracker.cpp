@@ -327,8 +327,8 @@ void RegionTracker::end_layer(StackFindings& findings) {
   air_.end_layer([&](const RegionColumn& column) {
     // The plate closes what is open below, until the part is taken off it.
     if (column.on_plate) {
-      add_cup(column, findings);
-      if (column.largest >= limits_.trap_pixels) add_column(IssueKind::kPlateTrap, column, findings);
+      const bool is_cup = add_cup(column, findings);
+      if (!is_cup && column.largest >= limits_.trap_pixels) add_column(IssueKind::kPlateTrap, column, findings);
     } else if (column.largest >= limits_.trap_pixels &&
                scale_.z_mm(column.last_layer - column.first_layer + 1) > limits_.cured_gap_mm) {
       add_column(IssueKind::kResinTrap, column, findings);
@@ -346,12 +346,13 @@ void RegionTracker::add_column(IssueKind kind, const RegionColumn& column, Stack
                          column.largest, column.voxels, column.asked_n, column.held_n});
 }
 
-void RegionTracker::add_cup(const RegionColumn& column, StackFindings& findings) {
-  if (column.largest < limits_.suction_pixels) return;
-  if (column.on_plate && scale_.mm2(column.largest) < limits_.plate_suction_mm2) return;
+bool RegionTracker::add_cup(const RegionColumn& column, StackFindings& findings) {
+  if (column.largest < limits_.suction_pixels) return false;
+  if (column.on_plate && scale_.mm2(column.largest) < limits_.plate_suction_mm2) return false;
   const std::uint32_t layers = column.broad_last - column.broad_first + 1;
-  if (scale_.z_mm(layers) < limits_.suction_height_mm * (1 - kRounding)) return;
+  if (scale_.z_mm(layers) < limits_.suction_height_mm * (1 - kRounding)) return false;
   add_column(IssueKind::kSuctionCup, column, findings);
+  return true;
 }
 
 void RegionTracker::finish(StackFindings& findings) {

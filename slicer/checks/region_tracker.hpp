@@ -105,7 +105,7 @@ class RegionTracker {
   void count_regions();
   void end_layer(StackFindings& findings);
   void add_column(IssueKind kind, const RegionColumn& column, StackFindings& findings);
-  void add_cup(const RegionColumn& column, StackFindings& findings);
+  bool add_cup(const RegionColumn& column, StackFindings& findings);
 
   Layer& now() { return layers_[now_]; }
   const Layer& now() const { return layers_[now_]; }

@@ -24,8 +24,8 @@ bool is_in_strut(const Issue& issue, const IssueScale& scale, std::span<const St
   return std::ranges::any_of(struts, [&](const Strut& strut) {
     if (!strut.is_in(issue.layer)) return false;
     const StrutSection disc = section_of(strut, issue.layer);
-    const double dx = (double{1} * issue.column - disc.column) * scale.pitch_x_mm;
-    const double dy = (double{1} * issue.row - disc.row) * scale.pitch_y_mm;
+    const double dx = (static_cast<double>(issue.column) - disc.column) * scale.pitch_x_mm;
+    const double dy = (static_cast<double>(issue.row) - disc.row) * scale.pitch_y_mm;
     const double radius = static_cast<double>(disc.radius) / 1e6;
     return dx * dx + dy * dy <= radius * radius;
   });

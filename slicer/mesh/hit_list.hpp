@@ -48,10 +48,9 @@ class HitPacking {
   PackedHit packed(const RayHit& hit, std::uint32_t body = 0) const {
     const std::uint64_t tile = std::uint64_t{hit.row / kTileSide} * tile_columns_ + hit.column / kTileSide;
     const std::uint64_t ray = hit.row % kTileSide * kTileSide + hit.column % kTileSide;
-    const std::uint64_t part = hit.height.part() >> (CrossingHeight::kBits - part_bits_);
     return PackedHit((tile << kRayBits | ray) << ray_bit_ |
                      (std::uint64_t{hit.height.layer()} << 1U | (hit.entering ? 0U : 1U)) << exit_bit_ |
-                     part << PackedHit::kBodyBits | body);
+                     std::uint64_t{hit.height.part(part_bits_)} << PackedHit::kBodyBits | body);
   }
   /// Less than any hit of the tile, and above those of the tiles before.
   PackedHit before_tile(std::uint32_t tile) const { return PackedHit(std::uint64_t{tile} << kRayBits << ray_bit_); }
@@ -73,7 +72,7 @@ class HitPacking {
   }
   CrossingHeight height(const PackedHit& hit) const {
     const auto part = static_cast<std::uint32_t>(hit.word_ >> PackedHit::kBodyBits) % (1U << part_bits_);
-    return CrossingHeight(layer(hit), (2 * part + 1) << (CrossingHeight::kBits - part_bits_) >> 1U);
+    return CrossingHeight(layer(hit), CrossingHeight::part_of(part, part_bits_));
   }
   bool exits(const PackedHit& hit) const { return (hit.word_ >> exit_bit_ & 1U) != 0; }
   /// What the hit adds to the winding number of the ray above it.

@@ -24,16 +24,14 @@ class StoredHeights {
     return std::min(CrossingHeight::kBits, 16 - static_cast<unsigned>(std::bit_width(grid.layers - 1)));
   }
   static std::uint16_t stored(CrossingHeight height, unsigned part_bits) {
-    return static_cast<std::uint16_t>(height.layer() << part_bits |
-                                      height.part() >> (CrossingHeight::kBits - part_bits));
+    return static_cast<std::uint16_t>(height.layer() << part_bits | height.part(part_bits));
   }
 
   std::size_t size() const { return heights_.size(); }
   bool empty() const { return heights_.empty(); }
   std::uint32_t layer(std::size_t i) const { return static_cast<std::uint32_t>(heights_[i]) >> part_bits_; }
   std::uint32_t part(std::size_t i) const {
-    const std::uint32_t part = heights_[i] % (1U << part_bits_);
-    return (2 * part + 1) << (CrossingHeight::kBits - part_bits_) >> 1U;
+    return CrossingHeight::part_of(heights_[i] % (1U << part_bits_), part_bits_);
   }
 
  private:

@@ -26,6 +26,11 @@ class CrossingHeight {
 
   constexpr std::uint32_t layer() const { return value_ >> kBits; }
   constexpr std::uint32_t part() const { return value_ % kParts; }
+  /// The part where there is room for fewer bits, and the middle of what that stands for.
+  constexpr std::uint32_t part(unsigned bits) const { return part() >> (kBits - bits); }
+  static constexpr std::uint32_t part_of(std::uint32_t shortened, unsigned bits) {
+    return (2 * shortened + 1) << (kBits - bits) >> 1U;
+  }
 
  private:
   std::uint32_t value_ = 0;

@@ -4,13 +4,13 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "slicer/core/bit_spans.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/layers/morphology.hpp"
 #include "slicer/supports/held_area.hpp"
 #include "slicer/supports/islands.hpp"
+#include "slicer/supports/placed_tips.hpp"
 #include "slicer/supports/tip_loads.hpp"
 #include "slicer/supports/weak_regions.hpp"
 #include "slicer/supports/window.hpp"
@@ -26,7 +26,6 @@ constexpr double kPixelsPerTip = 64;
 constexpr double kHighestSpeck = 0.2;
 /// mm2: larger islands are flats, which their tips hold as they hold other overhangs.
 constexpr double kDenseIsland = 12;
-constexpr Nanometres kBesidePlace = 500'000;  ///< where a surface is looked for that gets the tip of a place
 constexpr double kPi = 3.14159265358979324;
 constexpr double kAreaPerTip = 1;  ///< mm2; on an overhang they share, tips are a few times rarer
 constexpr double kMostTips = 16384;
@@ -41,18 +40,12 @@ struct Offset {
 constexpr std::array<Offset, 4> kDirections = {{{45, 45}, {-45, 45}, {0, 60}, {60, 0}}};
 constexpr std::array<std::int32_t, 5> kShares = {64, 48, 32, 16, 8};
 
-/// Where the tip of a place goes.
-struct Wanted {
-  Nanometres away = std::numeric_limits<Nanometres>::max();  ///< from the place's column, squared
-  std::uint32_t column = 0, row = 0, layer = 0;              ///< layer 0: there is no surface
-};
-
 /// The sweep; each method is one step.
 class Sweep {
  public:
   Sweep(const RRep& rrep, std::uint32_t lifted, const SupportSettings& settings, std::span<Tip> list,
         std::span<SpeckPixel> specks)
-      : settings_(settings),
+      : placed_(settings, rrep.grid),
         grid_(rrep.grid),
         lifted_(lifted),
         window_(window_of(rrep)),
@@ -103,13 +96,12 @@ class Sweep {
     return {};
   }
 
-  /// Finds the surfaces at places that get tips, before the first layer is taken.
-  void find_wanted(LayerStream& stream) {
+  /// Finds the surfaces of places, before the first layer is taken.
+  void find_placed(LayerStream& stream) {
+    if (placed_.empty()) return;
     for (std::uint32_t k = 0; k < grid_.layers; ++k) {
       const ConstBitImage mask = stream.mask(k);
-      for (std::uint32_t i = 0; i < settings_.added.all().size() && k + lifted_ > 0; ++i) {
-        look_for(settings_.added.list[i], k + lifted_, mask, wanted_[i]);
-      }
+      if (k + lifted_ > 0) placed_.look_at(k + lifted_, mask, below_);
       copy_below(mask);
     }
     below_.clear();
@@ -124,14 +116,14 @@ class Sweep {
       held_.begin(mask);
     } else if (compare_with_below(layer, mask)) {
       held_.next_layer(layer, mask, window_);
-      PLUMBLINE_TRY(hold_wanted(layer, mask));
+      PLUMBLINE_TRY(hold_placed(layer, mask));
       PLUMBLINE_TRY(hold_islands(layer, mask, stream, list_.first(count_).subspan(lower)));
       PLUMBLINE_TRY(hold_overhangs(layer, mask));
       if (islands_.may_be_weak()) PLUMBLINE_TRY(hold_weak_regions(layer, mask, list_.first(count_).subspan(lower)));
       PLUMBLINE_TRY(share_loads(layer, mask));
     } else {
       held_.next_layer(layer, mask, window_);
-      PLUMBLINE_TRY(hold_wanted(layer, mask));
+      PLUMBLINE_TRY(hold_placed(layer, mask));
     }
     keep_as_below(layer, mask);
     ++index_;
@@ -139,47 +131,17 @@ class Sweep {
   }
 
   /// What was found so far.
-  FoundTips found() const {
-    std::uint32_t missed = 0;
-    for (std::uint32_t i = 0; i < settings_.added.all().size(); ++i) missed |= (wanted_[i].layer == 0 ? 1U : 0U) << i;
-    return {list_.first(count_), specks_.first(speck_end_), speck_count_, missed};
-  }
+  FoundTips found() const { return {list_.first(count_), specks_.first(speck_end_), speck_count_, placed_.missed()}; }
 
  private:
   std::uint16_t& top(std::uint32_t column, std::uint32_t row) {
     return top_[std::size_t{row - window_.row} * window_.columns() + column - window_.word * 64];
   }
 
-  void look_for(const SupportPlace& place, std::uint32_t layer, ConstBitImage mask, Wanted& best) const {
-    const double x = place.x / static_cast<double>(grid_.pitch_x_mm);
-    const double y = place.y / static_cast<double>(grid_.pitch_y_mm);
-    const double z = layer * static_cast<double>(grid_.layer_height_mm) - place.z;
-    if (!(x >= 0 && x < grid_.columns && y >= 0 && y < grid_.rows && std::abs(z) <= kPlaceReach)) return;
-    const auto look = [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-      for (std::uint32_t column = begin; column < end; ++column) {
-        if (!mask.at(column, row) || below_.at(column, row)) continue;
-        const Nanometres dx = (Nanometres{column} - static_cast<Nanometres>(x)) * pitch_.x;
-        const Nanometres dy = (Nanometres{row} - static_cast<Nanometres>(y)) * pitch_.y;
-        if (dx * dx + dy * dy < best.away) best = {dx * dx + dy * dy, column, row, layer};
-      }
-    };
-    for_each_disc_span(pitch_, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), kBesidePlace,
-                       grid_.columns, grid_.rows, look);
-  }
-
-  bool is_blocked(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const {
-    return std::ranges::any_of(settings_.blocked.all(), [&](const SupportPlace& ball) {
-      const double x = (column + 0.5) * static_cast<double>(grid_.pitch_x_mm) - ball.x;
-      const double y = (row + 0.5) * static_cast<double>(grid_.pitch_y_mm) - ball.y;
-      const double z = layer * static_cast<double>(grid_.layer_height_mm) - ball.z;
-      return x * x + y * y + z * z <= ball.radius * ball.radius;
-    });
-  }
-
   /// Sets the tips of places, also where others are blocked.
-  Status hold_wanted(std::uint32_t layer, ConstBitImage mask) {
-    for (const Wanted& wanted : std::span(wanted_).first(settings_.added.all().size())) {
-      if (wanted.layer == layer) PLUMBLINE_TRY(add_tip(wanted.column, wanted.row, layer, mask, false, false, true));
+  Status hold_placed(std::uint32_t layer, ConstBitImage mask) {
+    for (const PlacedTips::Surface& at : placed_.surfaces()) {
+      if (at.layer == layer) PLUMBLINE_TRY(add_tip(at.column, at.row, layer, mask, false, false, true));
     }
     return {};
   }
@@ -208,13 +170,13 @@ class Sweep {
     return any;
   }
 
-  /// @param wanted  tips of places in this layer
-  Status hold_islands(std::uint32_t layer, ConstBitImage mask, LayerStream& stream, std::span<Tip> wanted) {
+  /// @param placed  tips of places in this layer
+  Status hold_islands(std::uint32_t layer, ConstBitImage mask, LayerStream& stream, std::span<Tip> placed) {
     Status done;
     specks_below_ = specks_here_;
     specks_here_ = speck_end_;
     const auto hold = [&](const IslandFinder::Place& place) {
-      if (!wanted.empty() && is_held_by(wanted, place)) return;
+      if (!placed.empty() && is_held_by(placed, place)) return;
       if (place.pixels <= speck_pixels_ && leave_out(place, stream)) return;
       if (done) done = add_tip(place.column, place.row, layer, mask, true, place.pixels <= dense_pixels_);
     };
@@ -233,10 +195,10 @@ class Sweep {
   }
 
   /// Whether tips of places are in an island: it needs no other, and they carry what its tip would.
-  bool is_held_by(std::span<Tip> wanted, const IslandFinder::Place& place) {
+  bool is_held_by(std::span<Tip> placed, const IslandFinder::Place& place) {
     const auto pixels = take_island(place);
     bool held = false;
-    for (Tip& tip : wanted) {
+    for (Tip& tip : placed) {
       const auto is_here = [&](const SpeckPixel& p) { return p.pixel == tip.row * grid_.columns + tip.column; };
       if (std::ranges::none_of(pixels, is_here)) continue;
       held = tip.island = true;
@@ -321,7 +283,7 @@ class Sweep {
       for_each_marked(marks_.row(r), [&](std::uint32_t w) {
         while (line[w] != 0 && done) {
           const std::uint32_t column = w * 64 + static_cast<std::uint32_t>(std::countr_zero(line[w]));
-          if (is_blocked(column, r, layer)) {
+          if (placed_.is_blocked(column, r, layer)) {
             line[w] &= line[w] - 1;
             continue;
           }
@@ -344,7 +306,7 @@ class Sweep {
         const std::int64_t r = row + reach_y * offset.rows * share / 4096;
         if (c < 0 || c >= grid_.columns || r >= grid_.rows) continue;
         const IslandFinder::Place place{static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(r)};
-        if (fresh_.at(place.column, place.row) && !is_blocked(place.column, place.row, layer)) return place;
+        if (fresh_.at(place.column, place.row) && !placed_.is_blocked(place.column, place.row, layer)) return place;
       }
     }
     return {column, row};
@@ -408,10 +370,10 @@ class Sweep {
     return 2 * reached >= pixels;
   }
 
-  /// @param wanted  also where tips are blocked
+  /// @param placed  by a person: also where tips are blocked
   Status add_tip(std::uint32_t column, std::uint32_t row, std::uint32_t layer, ConstBitImage mask, bool island,
-                 bool dense, bool wanted = false) {
-    if (!wanted && is_blocked(column, row, layer)) return {};
+                 bool dense, bool placed = false) {
+    if (!placed && placed_.is_blocked(column, row, layer)) return {};
     if (count_ == list_.size()) {
       return telling(
           Told(ToldCode::kTooManySupports, {{Fact::kCount, list_.size()}}),
@@ -463,8 +425,7 @@ class Sweep {
     }
   }
 
-  const SupportSettings& settings_;
-  std::array<Wanted, std::tuple_size_v<decltype(SupportPlaces::list)>> wanted_{};  ///< by place of settings_.added
+  PlacedTips placed_;
   PrintGrid grid_;
   std::uint32_t lifted_;
   Window window_;
@@ -502,14 +463,9 @@ Expected<FoundTips> find_tips(const RRep& rrep, std::uint32_t lifted, const Supp
   const std::size_t bottom = arena.bottom_mark();
   Sweep sweep(rrep, lifted, settings, list, specks);
   PLUMBLINE_TRY(sweep.take_memory(settings, arena));
-  if (!settings.added.all().empty()) {
-    auto look = LayerStream::create(rrep, arena);
-    PLUMBLINE_TRY(look);
-    sweep.find_wanted(*look);
-    arena.release_bottom(bottom);
-  }
   auto stream = LayerStream::create(rrep, arena);
   PLUMBLINE_TRY(stream);
+  sweep.find_placed(*stream);
   const std::uint32_t layers = rrep.grid.layers;
   Status done;
   for (std::uint32_t k = 0; k < layers && done; ++k) {

@@ -59,8 +59,7 @@ struct FoundTips {
 /// Held are layer 0, the discs of tips, pixels within layer_height / tan(overhang_angle) of held pixels a layer below, and
 /// pixels that have been there for as many layers as that growth would have needed (HeldArea). So a slope steeper than the
 /// overhang angle needs no support, a flatter one gets them where it has fallen behind, and bridges up to overhang_span are free.
-/// Besides, it puts a tip at each place of settings.added: at the lowest surface that faces down within kPlaceReach of its height, in its own column
-/// or else in the nearest one within 0.5 mm. No other tip is put into a ball of settings.blocked, whatever falls without it.
+/// Each place of settings.added gets a tip, too (PlacedTips), and no other tip is put into a ball of settings.blocked, whatever falls without it.
 ///
 /// The load of a tip is the area of new pixels that nothing held when they were cured and to which no other tip is nearer, of
 /// those at most a few millimetres below.

@@ -288,11 +288,12 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
          "Let no support end on the object; a place that none reaches from the plate gets none")
       ->group(kSupportsGroup);
   constexpr const char* kFrame =
-      "mm of the print: x and y from the corner of the mask, z from the plate, as findings have them. For one size and "
-      "orientation only. May be repeated, such as ";
+      "Places are in mm as findings give them: x and y from the corner of the mask, z from the plate. They hold for "
+      "one "
+      "size and orientation. May be repeated, such as ";
   const std::array help = {
-      std::string("Put a support at the surface nearest to this place, ") + kFrame + "--support-at 12.5,3,20.1",
-      std::string("Let no other support touch the object within R of this place [2], ") + kFrame +
+      std::string("Add a support here, even where none is needed. ") + kFrame + "--support-at 12.5,3,20.1",
+      std::string("Let no other support touch the object within R mm of this place [2]. ") + kFrame +
           "--no-support-at 40,22,8,1.5"};
   for (std::size_t i = 0; i < kPlaceFields.size(); ++i) {
     const std::string name = option_name(kPlaceFields[i].key);

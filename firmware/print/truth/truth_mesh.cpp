@@ -30,7 +30,7 @@ class Collector final : public TriangleSink {
   bool negative = false;
 };
 
-/// Corners that are one place in the file are one place here: rounded to 2^-30 of the longest side.
+/// Rounds corners to 2^-30 of the longest side, so that those that are equal in the file stay equal.
 bool is_closed(std::span<const Triangle> triangles) {
   Box3d box;
   for (const Triangle& triangle : triangles) {

@@ -34,11 +34,11 @@ double DoseModel::reach_mm(Dose dose) const {
   return resin.penetration_mm * std::log(std::max(1.0, dose / resin.critical / kFaintest));
 }
 
-DoseField::DoseField(DoseModel model) : model_(std::move(model)) {
+DoseField::DoseField(const DoseModel& model) : model_(model) {
   assert(model_.resin.blur_px >= 0 && model_.resin.blur_px <= kMostBlur);
 }
 
-DoseField::DoseField(DoseModel model, const CuredPart& part) : DoseField(std::move(model)) {
+DoseField::DoseField(const DoseModel& model, const CuredPart& part) : DoseField(model) {
   part.for_each_layer([&](const CuredLayer& layer, ConstBitImage mask) { add(layer, mask); });
 }
 
@@ -131,13 +131,11 @@ double DoseField::at(double x_mm, double y_mm, double z_mm) const {
     if (++layer == layers_.end() || layer->z_mm - z_mm > reach_mm_) break;
     left *= layer->fade;
   }
-  return combined(largest, sum) * (model_.lamp ? model_.lamp(x_mm, y_mm) : 1);
+  return combined(largest, sum);
 }
 
 std::vector<double> DoseField::cured_depths(std::uint32_t column, std::uint32_t row) const {
   const Weights across = weights(column + 0.5), along = weights(row + 0.5);
-  const double lamp =
-      model_.lamp ? model_.lamp((column + 0.5) * model_.pitch_x_mm, (row + 0.5) * model_.pitch_y_mm) : 1;
   std::vector<double> depths;  // from the top
   double largest = 0, sum = 0;
   bool cured = false;
@@ -150,7 +148,7 @@ std::vector<double> DoseField::cured_depths(std::uint32_t column, std::uint32_t 
     const double term = layer.dose * share(layer, across, along);
     largest = std::max(largest, term);
     sum += term;
-    const double times = combined(largest, sum) * lamp / model_.resin.critical.value();
+    const double times = combined(largest, sum) / model_.resin.critical.value();
     turn(times >= 1, layer.z_mm);
     const double below = i > 0 ? layers_[i - 1].z_mm : 0;
     const double depth = cured ? layer.z_mm - model_.resin.penetration_mm * std::log(times) : below;

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <vector>
 
 #include "hal/sim/plant/cured_part.hpp"
@@ -16,8 +15,6 @@ namespace plumbline::inline hal::inline sim {
 struct DoseModel {
   Resin resin;
   double pitch_x_mm = 0.05, pitch_y_mm = 0.05;  ///< of the panel's pixels
-  std::function<double(double x_mm, double y_mm)> lamp =
-      {};  ///< its light there over the mean; empty: the same everywhere
 
   /// Beyond this depth the light of a layer is below kFaintest Ec, and is left out.
   double reach_mm(Dose dose) const;
@@ -39,9 +36,9 @@ struct DoseModel {
 class DoseField {
  public:
   /// @param model  blur_px 0 to kMostBlur
-  explicit DoseField(DoseModel model);
+  explicit DoseField(const DoseModel& model);
   /// Of a whole part, which must have kept its pixels. For small ones: takes memory for all layers.
-  DoseField(DoseModel model, const CuredPart& part);
+  DoseField(const DoseModel& model, const CuredPart& part);
   static constexpr double kMostBlur = 2;
 
   /// Adds the light at one height.

@@ -214,7 +214,7 @@ class Printed(Sliced):
         self.assertTrue((self.out / "comparison.png").exists())
         self.assertIsNone(json.loads(self.report.read_text())["part"]["deviation_um"], "an archive has no surface")
         refused = self.print_it(self.part, "--truth", self.mesh, status=1)
-        self.assertIn("is sliced already, and does not say where its mesh lies. Leave out --truth", refused.stderr)
+        self.assertIn("an archive does not say where the mesh lies in its layers. Leave out --truth", refused.stderr)
 
     def test_layers_are_in_the_order_of_their_numbers(self):
         layers = {f"p{k}.png": square(100 + 20 * k) for k in (11, 9, 10, 8)}
