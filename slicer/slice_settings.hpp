@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "slicer/core/resin/cure_model.hpp"
 #include "slicer/core/resin/foot_shrink.hpp"
 #include "slicer/core/resin/peel_force.hpp"
 #include "slicer/orientation/clean_side.hpp"
@@ -25,8 +26,9 @@ struct SliceSettings {
   std::optional<SupportSettings> supports;  ///< of the print, for whoever adds them, and for the choice of the way up
   bool confidence = false;                  ///< keep a map of the evidence for each part of the surface
   bool keep_all = false;                    ///< keep stray pieces and small components too
-  PeelSettings peel;                        ///< of the resin: for the checks of the masks only
-  FootShrink foot;                          ///< of the print: for the checks of the masks only
+  CureModel cure;             ///< of the print: if it is known, add_supports() corrects the object for bleed
+  PeelSettings peel;          ///< of the resin: for the checks of the masks only
+  FootShrink foot;            ///< of the print: for the checks of the masks only
   double overcure_mm = 0;     ///< by which a layer's light cures more than the layer: for the checks of the masks only
   std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
 };

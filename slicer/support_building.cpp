@@ -17,16 +17,32 @@ std::uint32_t most_layers(const PlacementSettings& placement) {
 
 }  // namespace
 
-Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings, const PlacementSettings& placement,
-                                Arena& arena, ProgressSink* progress, SliceReport& report, SupportCounts& counts) {
+Expected<Supports> add_supports(RRep& rrep, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                                SliceReport& report, SupportCounts& counts) {
+  if (!settings.supports && !settings.cure.is_known()) return Supports{};
   const StageScope stage(Stage::kSupports, {arena, progress, report});
-  report.planned(Stage::kSupports) = arena.used() + find_supports_bytes(rrep, settings);
-  auto supports = find_supports(rrep, settings, most_layers(placement), arena, progress, counts);
-  PLUMBLINE_TRY(supports);
-  for (std::uint32_t i = 0; i < settings.added.all().size(); ++i) {
-    SupportPlaces& missed = report.missed_supports;
-    if ((counts.missed >> i & 1U) != 0) missed.list[missed.count++] = settings.added.list[i];
+  const std::size_t bleed = settings.cure.is_known() ? bleed_bytes(rrep.grid, rrep.crossings()) : 0;
+  if (!settings.supports) {
+    report.planned(Stage::kSupports) = arena.used() + bleed;
+    const auto corrected = correct_bleed(rrep, settings.cure, 0, arena);
+    PLUMBLINE_TRY(corrected);
+    report.bleed = *corrected;
+    if (report.object_pixels && rrep.is_exact) {
+      *report.object_pixels -= corrected->pixels;
+    } else {
+      report.object_pixels.reset();  // small features are removed anew
+    }
+    return Supports{};
   }
+  const SupportSettings& wanted = *settings.supports;
+  report.planned(Stage::kSupports) = arena.used() + std::max(bleed, find_supports_bytes(rrep, wanted));
+  auto supports = find_supports(rrep, wanted, most_layers(settings.placement), arena, progress, counts, settings.cure);
+  PLUMBLINE_TRY(supports);
+  for (std::uint32_t i = 0; i < wanted.added.all().size(); ++i) {
+    SupportPlaces& missed = report.missed_supports;
+    if ((counts.missed >> i & 1U) != 0) missed.list[missed.count++] = wanted.added.list[i];
+  }
+  report.bleed = counts.bleed;
   const double layer_height = rrep.grid.layer_height_mm;
   if (counts.sunk > 0) {
     report.confidence.trim(counts.sunk, 0);

@@ -351,7 +351,10 @@ std::optional<MeasuredSurface> measure(const std::optional<TruthMesh>& truth, co
                                        const Witness& witness) {
   const Placement& placement = printable.slice.placement;
   if (placement.grid.layers == 0) return std::nullopt;  // an archive, or a print from its store
-  MeasuredSurface surface{truth ? truth->surface(placement) : surface_samples(printable.parts.rrep), {}};
+  const auto& bleed = printable.slice.bleed;
+  MeasuredSurface surface{
+      truth ? truth->surface(placement) : surface_samples(printable.parts.rrep, bleed ? bleed->model : CureModel()),
+      {}};
   leave_out_supports(printable.parts.supports, placement.grid, surface.points);
   surface.deviations_mm = witness.deviations_mm(surface.points);
   return surface;

@@ -36,7 +36,7 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   plant.lamp_fall = plant.lamp_rise;
   plant.resin.critical = Dose(profile.critical_energy);
   plant.resin.penetration_mm = profile.penetration_depth;
-  plant.resin.exchange = profile.exchange;
+  plant.resin.exchange = profile.exchange.value_or(0);
   plant.resin.blur_px = profile.blur;
   plant.peel = profile.peel;
   return plant;

@@ -107,9 +107,19 @@ double cure_depth_mm(const PrintProfile& profile, double dose_mj_cm2) {
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings) {
   settings.peel = profile.peel;
   settings.foot = {profile.elefant_foot_compensation, profile.bottom_layer_count, profile.faded_layers};
+  settings.cure = {};
   // The dose of a normal layer; bottom and faded layers get more.
   const double dose = machine.power_mw_cm2 * profile.exposure_time;
   if (dose <= 0 || profile.critical_energy <= 0) return;
+  if (profile.exchange) {
+    settings.cure = {.penetration_mm = profile.penetration_depth,
+                     .critical_dose = profile.critical_energy,
+                     .exchange = *profile.exchange,
+                     .dose = dose,
+                     .bottom_dose = machine.power_mw_cm2 * profile.initial_exposure_time,
+                     .bottom_layers = profile.bottom_layer_count,
+                     .faded_layers = profile.faded_layers};
+  }
   const double depth = cure_depth_mm(profile, dose);
   settings.overcure_mm = std::max(0.0, depth - static_cast<double>(settings.placement.layer_height_mm));
 }

@@ -20,15 +20,16 @@ namespace plumbline::firmware::inline settings {
 /// Names are those of PrusaSlicer's SLA settings where it has one. Every number is inside the range given in
 /// board/README.md. Heights in mm, times in s, speeds in mm/min, as resin users know them; PrintPlan has them as types.
 struct PrintProfile {
-  std::string name;                      ///< [profile]
-  double penetration_depth = 0;          ///< [resin] mm: Dp of Jacobs' working curve Cd = Dp ln(E / Ec)
-  double critical_energy = 0;            ///< [resin] mJ/cm2: Ec of that curve
-  double exchange = 0;                   ///< [resin] 0: doses of layers add up, 1: each lift brings fresh resin
-  double blur = 0.5;                     ///< [resin] pixels: sigma of the Gaussian that blurs the light
-  PeelSettings peel;                     ///< [resin] green_strength, plate_adhesion and peel_...
-  double bottle_cost = 0;                ///< [resin] of a bottle, in any currency; 0: unknown
-  double bottle_volume = 0;              ///< [resin] ml of a bottle; 0: unknown
-  double layer_height = 0;               ///< [print] mm
+  std::string name;              ///< [profile]
+  double penetration_depth = 0;  ///< [resin] mm: Dp of Jacobs' working curve Cd = Dp ln(E / Ec)
+  double critical_energy = 0;    ///< [resin] mJ/cm2: Ec of that curve
+  std::optional<double>
+      exchange;              ///< [resin] 0: doses of layers add up, 1: each lift brings fresh resin. None: not known
+  double blur = 0.5;         ///< [resin] pixels: sigma of the Gaussian that blurs the light
+  PeelSettings peel;         ///< [resin] green_strength, plate_adhesion and peel_...
+  double bottle_cost = 0;    ///< [resin] of a bottle, in any currency; 0: unknown
+  double bottle_volume = 0;  ///< [resin] ml of a bottle; 0: unknown
+  double layer_height = 0;   ///< [print] mm
   double initial_layer_height = 0;       ///< mm, of an archive's first layer; 0: as high as the others
   double exposure_time = 0;              ///< [print] s
   double initial_exposure_time = 0;      ///< [print] s, of the bottom layers

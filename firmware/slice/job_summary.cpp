@@ -156,6 +156,12 @@ void add_evidence(Text& text, const JobReport& report) {
   text.add("\n");
 }
 
+void add_bleed(Text& text, const std::optional<BleedCounts>& bleed) {
+  if (!bleed) return;
+  text.add("bleed      undersides raised by %.3f mm on average, %.3f mm at most: so much deeper their light cures\n",
+           bleed->mean_mm, bleed->most_mm);
+}
+
 void add_supports(Text& text, const JobReport& report) {
   if (!report.support_settings) return;
   const SupportCounts& s = report.supports;
@@ -207,6 +213,7 @@ Status write_summary(OutputFile& out, const JobReport& report, const char* outpu
   add_clusters(text, report.slice);
   add_rays(text, report);
   add_evidence(text, report);
+  add_bleed(text, report.slice.bleed);
   add_supports(text, report);
   PLUMBLINE_TRY(out.write(text.view()));
   text.clear();

@@ -119,6 +119,16 @@ void write_evidence(JsonWriter& json, const std::optional<ConfidenceShares>& sha
   json.end_object();
 }
 
+void write_bleed(JsonWriter& json, const std::optional<BleedCounts>& bleed) {
+  json.key("bleed");
+  if (!bleed) return json.null();
+  json.begin_object(kOneLine);
+  json.member("raised_crossings", bleed->moved);
+  json.member("mean_mm", bleed->mean_mm);
+  json.member("most_mm", bleed->most_mm);
+  json.end_object();
+}
+
 void write_supports(JsonWriter& json, const JobReport& report) {
   json.key("supports");
   if (!report.support_settings) return json.null();
@@ -287,6 +297,7 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
                  layer_hashes.empty() ? std::span<const ConfidenceMap::Counts>{} : slice.confidence.layers());
   write_proof(json, slice.proof);
   json.member("volume_mm3", report.volume_mm3());
+  write_bleed(json, report.slice.bleed);
   write_supports(json, report);
   write_issues(json, report.findings, slice.placement.grid, report.checks);
   write_stages(json, report);

@@ -81,7 +81,8 @@ Status SliceJob::work(JobProgress& progress) {
     masks_ = std::move(*masks);
   }
   if (directory_) PLUMBLINE_TRY(directory_->begin());
-  const auto supports = find_supports(*rrep, progress);
+  report_.support_settings = settings_.slice.supports;
+  const auto supports = add_supports(*rrep, settings_.slice, *arena_, &progress, report_.slice, report_.supports);
   PLUMBLINE_TRY(supports);
   plan_layers(*rrep, *supports);
   arena_->reset_peak();
@@ -106,13 +107,6 @@ Status SliceJob::work(JobProgress& progress) {
 void SliceJob::plan_layers(const RRep& rrep, const Supports& supports) {
   report_.slice.planned(Stage::kLayers) =
       arena_->used() + rrep.grid.layers * sizeof(std::uint64_t) + layers_stage_bytes(rrep.grid, supports.list.size());
-}
-
-Expected<Supports> SliceJob::find_supports(RRep& rrep, JobProgress& progress) {
-  if (!settings_.slice.supports) return Supports{};
-  report_.support_settings = settings_.slice.supports;
-  return add_supports(rrep, *settings_.slice.supports, settings_.slice.placement, *arena_, &progress, report_.slice,
-                      report_.supports);
 }
 
 Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,

@@ -62,7 +62,6 @@ class SliceJob {
 
   [[nodiscard]] Status work(JobProgress& progress);
   void plan_layers(const RRep& rrep, const Supports& supports);
-  [[nodiscard]] Expected<Supports> find_supports(RRep& rrep, JobProgress& progress);
   [[nodiscard]] Status write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
                                     JobProgress& progress);
   [[nodiscard]] Status write_archive_end(const RRep& rrep, const Supports& supports);

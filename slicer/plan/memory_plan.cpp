@@ -12,6 +12,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/numbers/mib.hpp"
 #include "slicer/implicit/winding_number.hpp"
+#include "slicer/layers/bleed.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/normals/normals.hpp"
 #include "slicer/orientation/surface_samples.hpp"
@@ -131,7 +132,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     const std::size_t sorted = rrep_bytes(*grid, yield);
     set(Stage::kRRep, kept + rrep_stage_bytes(*grid, store_bytes(*grid, yield), yield));
     const std::uint32_t struts = most_struts(*grid);
-    set(Stage::kSupports, kept + sorted + find_supports_bytes(*grid));
+    set(Stage::kSupports,
+        kept + sorted + std::max(find_supports_bytes(*grid), bleed_bytes(*grid, static_cast<std::size_t>(yield.crossings))));
     set(Stage::kLayers, kept + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts));
   }
   const std::size_t workers = threads * ray_worker_bytes(tile_capacity(evidence.ray_points.value_or(points)));

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "slicer/core/numbers/mib.hpp"
+#include "slicer/layers/bleed.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/mesh/hit_resolver.hpp"
 #include "slicer/reader/scan_reader.hpp"
@@ -41,7 +42,8 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   // The search for empty layers streams the masks.
   set(Stage::kRRep, std::max(store + std::max(store, rrep) + CrossingStore::row_room_bytes(grid),
                              rrep + LayerStream::bytes_needed(grid)));
-  set(Stage::kSupports, rrep + find_supports_bytes(grid));
+  set(Stage::kSupports,
+      rrep + std::max(find_supports_bytes(grid), bleed_bytes(grid, static_cast<std::size_t>(yield.crossings))));
   set(Stage::kLayers, rrep + struts * sizeof(Strut) + layers_stage_bytes(grid, struts));
   return plan;
 }

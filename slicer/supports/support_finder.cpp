@@ -185,7 +185,7 @@ SupportSettings at_density(SupportSettings settings) {
 }
 
 Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers, Arena& arena,
-                        ProgressSink* progress, SupportCounts& counts) {
+                        ProgressSink* progress, SupportCounts& counts, const CureModel& cure) {
   const auto stand = choose_stand(rrep, settings, most_layers, arena);
   PLUMBLINE_TRY(stand);
   RRep stood = rrep;
@@ -193,6 +193,11 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
   counts.lifted = stand->lifted;
   counts.sunk = stand->sunk;
   counts.flat = stand->flat;
+  if (cure.is_known()) {
+    const auto bleed = correct_bleed(stood, cure, stand->lifted, arena);
+    PLUMBLINE_TRY(bleed);
+    counts.bleed = *bleed;
+  }
   const ArenaScope scope(arena);
   const auto scratch = Scratch::take(stood.grid, arena);
   PLUMBLINE_TRY(scratch);
@@ -205,7 +210,9 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
                  static_cast<std::uint32_t>(std::popcount(needed->missed));
   counts.specks_mm3 = static_cast<double>(needed->specks.size()) * static_cast<double>(stood.grid.pitch_x_mm) *
                       static_cast<double>(stood.grid.pitch_y_mm) * static_cast<double>(stood.grid.layer_height_mm);
-  if (stood.is_exact || needed->specks.empty()) counts.lost_pixels = stand->sunk_pixels + needed->specks.size();
+  if (stood.is_exact || (needed->specks.empty() && !counts.bleed)) {
+    counts.lost_pixels = stand->sunk_pixels + needed->specks.size() + (counts.bleed ? counts.bleed->pixels : 0);
+  }
   PLUMBLINE_TRY(leave_out(needed->specks, stood, arena));
   PLUMBLINE_TRY(trim_top(needed->specks, stood, arena));
   PLUMBLINE_TRY(stand_object(stood, {.sunk = 0, .lifted = stand->lifted}, arena));
@@ -233,10 +240,10 @@ std::size_t bytes_needed(const PrintGrid& grid, const Window& window, double mos
 }  // namespace
 
 Expected<Supports> find_supports(RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers, Arena& arena,
-                                 ProgressSink* progress, SupportCounts& counts) {
+                                 ProgressSink* progress, SupportCounts& counts, const CureModel& cure) {
   const std::size_t bottom = arena.bottom_mark();
   counts = {};
-  auto supports = find(rrep, settings, most_layers, arena, progress, counts);
+  auto supports = find(rrep, settings, most_layers, arena, progress, counts, cure);
   if (!supports) {
     arena.release_bottom(bottom);
     counts = {};

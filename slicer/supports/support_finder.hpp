@@ -8,6 +8,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/layers/bleed.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 #include "slicer/supports/support_settings.hpp"
@@ -24,8 +25,9 @@ struct SupportCounts {
   std::uint32_t on_supports = 0;  ///< hang on another support's pillar
   std::uint32_t light = 0, medium = 0, heavy = 0;
   UnreachedTips unreached_islands, unreached_overhangs;
-  std::uint32_t added = 0;   ///< of settings.added, reached or not; they count as tips, too
-  std::uint32_t missed = 0;  ///< bit i: none, since there is no surface at settings.added.list[i]
+  std::uint32_t added = 0;           ///< of settings.added, reached or not; they count as tips, too
+  std::uint32_t missed = 0;          ///< bit i: none, since there is no surface at settings.added.list[i]
+  std::optional<BleedCounts> bleed;  ///< corrected before they were sought
   std::uint32_t braces = 0;
   std::uint32_t helpers = 0;  ///< pillars that carry nothing but brace another
   std::uint32_t specks = 0;   ///< left out of the print instead
@@ -53,11 +55,13 @@ struct SupportCounts {
 /// @param arena        keeps the list at the bottom; find_supports_bytes() are needed while this runs
 /// @param progress     may be null
 /// @param counts       overwritten
+/// @param cure         if it is known, the object is corrected for bleed first, once it is known how it stands
 /// @retval ErrorCode::kDoesNotFit   the lifted object is too high
 /// @retval ErrorCode::kOutOfMemory  the arena is full, or more than most_tips() are needed
 /// @retval ErrorCode::kCancelled    `progress` asked to stop
 [[nodiscard]] Expected<Supports> find_supports(RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers,
-                                               Arena& arena, ProgressSink* progress, SupportCounts& counts);
+                                               Arena& arena, ProgressSink* progress, SupportCounts& counts,
+                                               const CureModel& cure = {});
 
 /// Peak bytes of arena of find_supports(), its list included, for any object and settings.
 std::size_t find_supports_bytes(const PrintGrid& grid);

@@ -82,12 +82,9 @@ Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& sett
   sliced.rrep = *rrep;
   sliced.proof = report.proof;
   sliced.scan_hash = hashing.hash();
-  if (settings.supports) {
-    const auto found = add_supports(sliced.rrep, *settings.supports, settings.placement, arena, progress, report,
-                                    sliced.support_counts);
-    PLUMBLINE_TRY(found);
-    sliced.supports = *found;
-  }
+  const auto found = add_supports(sliced.rrep, settings, arena, progress, report, sliced.support_counts);
+  PLUMBLINE_TRY(found);
+  sliced.supports = *found;
   PLUMBLINE_TRY(check_masks(sliced, settings, rule_for(settings.supports), arena, progress, report));
   return sliced;
 }

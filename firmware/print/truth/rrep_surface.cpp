@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "slicer/core/numbers/mix64.hpp"
+#include "slicer/layers/bleed.hpp"
 
 namespace plumbline::firmware {
 namespace {
@@ -22,7 +23,8 @@ struct VoxelFace {
 /// The crossings of an R-Rep by ray.
 class Rays {
  public:
-  explicit Rays(const RRep& rrep) : grid_(rrep.grid), first_(std::size_t{grid_.columns} * grid_.rows + 2) {
+  Rays(const RRep& rrep, const CureModel& cure)
+      : grid_(rrep.grid), first_(std::size_t{grid_.columns} * grid_.rows + 2) {
     const CrossingPacking packing(grid_);
     for (const std::uint32_t packed : rrep.packed) ++first_[packing.pixel(packed) + 2];
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
@@ -35,6 +37,7 @@ class Rays {
         heights_[at] = packing.height_mm(rrep.packed[i], k, grid_);
       }
     }
+    if (cure.is_known()) undo_correction(cure);
   }
 
   /// Calls visit(VoxelFace) for the faces of a ray's voxels in layers [low, end).
@@ -82,6 +85,16 @@ class Rays {
   }
 
  private:
+  void undo_correction(const CureModel& cure) {
+    const CureDepths depths(cure, static_cast<double>(grid_.layer_height_mm));
+    for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
+      for (std::uint32_t i = first_[pixel]; i < first_[pixel + 1]; i += 2) {
+        const std::uint32_t exit = i + 1 < first_[pixel + 1] ? layers_[i + 1] : grid_.layers;
+        heights_[i] =
+            static_cast<float>(uncorrected_mm(depths, grid_, static_cast<double>(heights_[i]), layers_[i], exit));
+      }
+    }
+  }
   std::span<const std::uint32_t> ray(std::int64_t column, std::int64_t row) const {
     if (column < 0 || row < 0 || column >= grid_.columns || row >= grid_.rows) return {};
     const auto pixel = static_cast<std::size_t>(row * grid_.columns + column);
@@ -140,11 +153,11 @@ std::optional<OrientedPoint> plane_at(const Rays& rays, const PrintGrid& grid, c
 
 }  // namespace
 
-TrueSurface surface_samples(const RRep& rrep) {
+TrueSurface surface_samples(const RRep& rrep, const CureModel& cure) {
   constexpr double kPoints = 12'000;  // fewer than of a mesh, since each takes longer
   TrueSurface surface{.name = "r-rep", .points = {}};
   const PrintGrid& grid = rrep.grid;
-  const Rays rays(rrep);
+  const Rays rays(rrep, cure);
   const double side = static_cast<double>(grid.layer_height_mm / std::max(grid.pitch_x_mm, grid.pitch_y_mm));
   const auto chance = [](std::uint64_t number) { return static_cast<double>(mix64(number)) / 0x1p64; };
   // Enough rays for the points; all of a small object.

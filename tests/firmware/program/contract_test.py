@@ -163,7 +163,7 @@ class Contract(StatePrinter):
         # Without its stick it can't be sliced anew.
         self.stick.rename(self.dir / "pulled")
         user.until(lambda s: not s["stick"]["present"], "no stick")
-        user.refused("only while the scan is there", "set", key="support_at", value="")
+        user.refused("the scan is no longer there", "set", key="support_at", value="")
         self.finish(user)
 
     def test_command_line_asks_and_takes_values(self):

@@ -91,14 +91,14 @@ class Screen(StatePrinter):
         user.refused("preview, issues, coverage, layer, side, proposal or scan", "picture", picture="part")
         user.state("offered", "start")
         user.do("start")
-        user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2, "layer 3")
+        user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 20, "the upper half, of which the masks have its size")
         # From here on it stands still, however long this takes. That it has shown "printing" is in its frames.
         user.do("pause")
         paused = user.state("paused", "resume")
         self.shown("paused")
         columns, rows = self.picture(user, "layer")
         self.assertEqual((columns, len(rows)), (180, 320))
-        # The section of the ball at about a tenth of its height, in squares of 8 x 8 pixels of 47.25 um.
+        # The section of the ball above its middle, in squares of 8 x 8 pixels of 47.25 um.
         white = sum(sum(row) for row in rows) / 255
         done = paused["progress"]["layers_done"]
         areas = [3.1416 * (z * (4 - z)) / (8 * 0.04725) ** 2 for z in (0.1 * (done - 1) + 0.05, 0.1 * (done + 1) + 0.05)]

@@ -75,16 +75,11 @@ void expect_layers_of_stream(const SliceJobSettings& settings, const JobReport& 
   SliceReport ignored;
   auto rrep = slice(*source, settings.slice, arena, nullptr, ignored);
   ASSERT_TRUE(rrep.has_value()) << rrep.error().message();
-  Supports supports;
   SupportCounts counts;
-  if (settings.slice.supports) {
-    auto found =
-        add_supports(*rrep, *settings.slice.supports, settings.slice.placement, arena, nullptr, ignored, counts);
-    ASSERT_TRUE(found.has_value()) << found.error().message();
-    supports = *found;
-  }
-  EXPECT_EQ(report.supports.all(), supports.tips());
-  auto stream = MaskStream::create(*rrep, supports, arena);
+  const auto supports = add_supports(*rrep, settings.slice, arena, nullptr, ignored, counts);
+  ASSERT_TRUE(supports.has_value()) << supports.error().message();
+  EXPECT_EQ(report.supports.all(), supports->tips());
+  auto stream = MaskStream::create(*rrep, *supports, arena);
   ASSERT_TRUE(stream.has_value());
   std::vector<std::uint64_t> hashes;
   std::uint64_t differences = 0;

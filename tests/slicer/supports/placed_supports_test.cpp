@@ -208,14 +208,14 @@ TEST(PlacedSupports, AreToldOfInTheReport) {
   Solid solid(cubic_grid(kSide, 48), blocks(kTable));
   ArenaBlock arena(32 * kMiB);
   solid.move_to(*arena);
-  PlacementSettings placement;
-  placement.layer_height_mm = 0.1F;
+  SliceSettings settings;
+  settings.placement.layer_height_mm = 0.1F;
+  settings.supports = on_the_plate({{.x = 0.55, .y = 3.25, .z = 2}, {.x = 12.5, .y = -3, .z = 20}});
   SliceReport report;
   SupportCounts counts;
-  const auto settings = on_the_plate({{.x = 0.55, .y = 3.25, .z = 2}, {.x = 12.5, .y = -3, .z = 20}});
-  value_of(add_supports(solid.rrep, settings, placement, *arena, nullptr, report, counts));
+  value_of(add_supports(solid.rrep, settings, *arena, nullptr, report, counts));
   ASSERT_EQ(report.missed_supports.count, 1U);
-  EXPECT_EQ(report.missed_supports.list[0], settings.added.list[1]);
+  EXPECT_EQ(report.missed_supports.list[0], settings.supports->added.list[1]);
 }
 
 }  // namespace placed_supports_test

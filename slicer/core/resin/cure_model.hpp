@@ -1,0 +1,49 @@
+#pragma once
+/// How deep the light of a print's layers cures: Jacobs' working curve (1992), with the doses of all layers that reach a place.
+
+#include <cstdint>
+
+#include "slicer/core/resin/foot_shrink.hpp"
+
+namespace plumbline::inline slicer {
+
+/// Light enters a layer at its film, and falls to 1/e of its dose in each penetration depth on its way towards the plate:
+///
+///   D(z) = sum over layers k whose film z_k = (k + 1) layer_height is not below z of E_k exp(-(z_k - z) / Dp)
+///
+/// Resin is cured where D >= Ec. With an exchange of resin below 1, that share of the doses but the largest counts.
+struct CureModel {
+  double penetration_mm = 0;  ///< Dp; 0: not known
+  double critical_dose = 0;   ///< Ec, mJ/cm2
+  double exchange = 0;        ///< of resin by a lift: 0 doses of layers add up, 1 only the largest counts
+  double dose = 0;            ///< mJ/cm2, of a layer after the faded ones
+  double bottom_dose = 0;     ///< mJ/cm2, of a bottom layer
+  std::uint32_t bottom_layers = 0, faded_layers = 0;
+
+  bool is_known() const { return penetration_mm > 0 && critical_dose > 0 && dose > critical_dose; }
+  double dose_of(std::uint32_t layer) const {
+    return bottom_dose + (dose - bottom_dose) * bottom_fade(layer, bottom_layers, faded_layers);
+  }
+};
+
+/// The depth to which a stack of layers cures below them.
+class CureDepths {
+ public:
+  /// Light of layers farther away than this does not count: exp(-16 h / Dp) is below 1 / 700 for layers of 50 um in usual resins.
+  static constexpr std::uint32_t kMostLayers = 16;
+
+  CureDepths(const CureModel& model, double layer_height_mm);
+
+  /// Where a pixel's ray is cured if it is lit in the layers from `first` to `first + count - 1`, but in none below, mm below the film of the
+  /// first. Uses no function of a library but +, -, * and /, so it is the same everywhere.
+  double below_film_mm(std::uint32_t first, std::uint32_t count) const;
+
+ private:
+  double depth_mm(std::uint32_t first, std::uint32_t count) const;
+
+  CureModel model_;
+  double per_layer_;                 ///< what is left of a dose one layer height deeper
+  double normal_[kMostLayers] = {};  ///< of 1 to kMostLayers layers above the faded ones
+};
+
+}  // namespace plumbline::inline slicer

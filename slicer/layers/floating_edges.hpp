@@ -1,0 +1,31 @@
+#pragma once
+/// Takes away what correct_bleed() leaves of a sharp edge where nothing holds it.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/rrep/rrep.hpp"
+
+namespace plumbline::inline slicer {
+
+/// How many layers less than below a thick part an entering crossing was raised, in the last bits of its height while it is corrected.
+inline constexpr std::uint32_t kMostLess = 7;
+constexpr std::uint32_t marked_less(std::uint32_t packed, std::uint32_t layers) {
+  return (packed & ~kMostLess) | std::min(layers, kMostLess);
+}
+
+/// Thin parts are raised less than thick ones, so beside a sharp edge a strip of them may hang on nothing until the layers of the body come.
+/// Bottom up, if a piece of new pixels has none beside it that the layer below has too, those that were raised less move up a layer, until
+/// they are raised as much as thick parts, meet the body, or end. A piece that would end as a whole stays: it is a sheet of its own.
+/// @param rrep  each entering crossing is marked_less(); they may move up and vanish together with their exits. Its memory stays where it is
+/// @returns how many pixels of all masks together were taken away
+/// @retval ErrorCode::kOutOfMemory  no room for floating_edges_bytes() at the top of the arena; rrep is unchanged
+[[nodiscard]] Expected<std::uint64_t> drop_floating_edges(RRep& rrep, Arena& arena);
+
+/// What drop_floating_edges() takes at least. With more, it looks at more pieces of one layer.
+std::size_t floating_edges_bytes(const PrintGrid& grid);
+
+}  // namespace plumbline::inline slicer
