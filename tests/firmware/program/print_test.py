@@ -134,7 +134,7 @@ class Print(Program):
             self.assertEqual([measured["against"] for measured in found], ["table.stl", "r-rep"])
             for measured in found:
                 # A quarter of what faces down are the legs' feet, which the plate holds.
-                self.assertAlmostEqual(measured["down_mean"] / 0.75, beyond, delta=8)
+                self.assertAlmostEqual(measured["down_mean"] / 0.75, beyond, delta=8 if beyond else 25, msg="half a layer")
                 self.assertLess(measured["top_rms"], 1)
             self.assertAlmostEqual(found[0]["rms"], found[1]["rms"], delta=9, msg="the R-Rep's edges are left out")
         self.run_it(*same)
