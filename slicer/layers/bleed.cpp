@@ -85,7 +85,7 @@ class Raiser {
   static CrossingHeight height_at(double height, const Stretch& stretch) {
     const double above = height - 0.5;
     const double layer = std::ceil(above);
-    if (layer > stretch.limit) return CrossingHeight(stretch.limit, CrossingHeight::kParts - 1);
+    if (layer > stretch.limit) return CrossingHeight(stretch.limit);
     if (layer < stretch.entering) return CrossingHeight(stretch.entering, 0);
     const double part = (above - layer + 1) * CrossingHeight::kParts;
     return CrossingHeight(static_cast<std::uint32_t>(layer),

@@ -124,7 +124,7 @@ class FloatingEdges {
         const NewPixel& piece = pixels_[pieces.root(at)];
         const std::uint32_t less = pixels_[at++].packed & kMostLess;
         if (!piece.is_held && piece.goes_on && less > 0) {
-          carried_[carried_count_++] = marked_less(packed, less - 1);
+          carried_[carried_count_++] = marked_less(packing_.packed(packing_.pixel(packed)), less - 1);
           put(lit_, packed, false);
           continue;
         }

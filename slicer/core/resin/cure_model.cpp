@@ -3,9 +3,8 @@
 #include <algorithm>
 
 namespace plumbline::inline slicer {
-namespace {
 
-/// e^x for -700 <= x <= 700: a Taylor series of x / 1024, squared ten times.
+// A Taylor series of x / 1024, squared ten times.
 double exponential(double x) {
   constexpr int kSquarings = 10;
   const double small = x / (1 << kSquarings);
@@ -14,6 +13,8 @@ double exponential(double x) {
   for (int i = 0; i < kSquarings; ++i) sum *= sum;
   return sum;
 }
+
+namespace {
 
 /// ln y for y >= 1, by Halley's method.
 double logarithm(double y) {

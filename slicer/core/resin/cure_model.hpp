@@ -26,6 +26,9 @@ struct CureModel {
   }
 };
 
+/// e^x for -700 <= x <= 700. Uses no function of a library, so it is the same everywhere.
+double exponential(double x);
+
 /// The depth to which a stack of layers cures below them.
 class CureDepths {
  public:

@@ -39,6 +39,9 @@ class MaskStream {
     layers_.draw_on_mask(draw);
   }
 
+  /// Of the last mask, before opening, closing and supports.
+  ConstBitImage section() const { return layers_.section(); }
+
   /// Pixels of the last mask that belong to supports only; 0 if they are not counted.
   std::uint64_t support_pixels() const { return support_pixels_; }
 
