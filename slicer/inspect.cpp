@@ -74,6 +74,7 @@ Status inspect(ScanSources given, const SliceSettings& asked, Arena& arena, Prog
                InspectReport& report, CoarseLook look) {
   SliceSettings settings = set_threads(asked);
   settings.confidence = true;
+  settings.absolute_correction_mm = 0;  // the coarse pixels do not show it
   const StageContext job{arena, progress, report};
   const StageContext coarsely{arena, progress, report.coarse};
   bool prepared = false;  // whether `report` has all of the preparation; an error after that is no error of inspect()

@@ -1,6 +1,7 @@
 #include "slicer/mesh_slicing.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "slicer/mesh/hit_resolver.hpp"
 #include "slicer/mesh/mesh_dipoles.hpp"
@@ -18,6 +19,8 @@ namespace {
 constexpr float kRimCells = 256;
 /// Share of the time of turning a mesh that reading it takes.
 constexpr double kCloudRead = 0.3;
+/// Share of the time of finding the hits that finding the moves of the corners takes.
+constexpr double kShiftRead = 0.3;
 /// Scan units: the cells of a longer mesh would have areas that no float holds.
 constexpr double kLongestTurned = 1e12;
 
@@ -37,9 +40,7 @@ Status admit(MeshFiles& files, const MeshNeed& without_copy, std::uint32_t threa
 }
 
 /// Finds the hits of all rays, and decides which way each shell faces if need be.
-Expected<MeshHits> find_hits(const PlacedMesh& mesh, const StageContext& job) {
-  const StageScope stage(Stage::kRayGrid, job);
-  const StageProgress progress{job.progress, Stage::kRayGrid};
+Expected<MeshHits> find_hits(const PlacedMesh& mesh, const StageContext& job, const StageProgress& progress) {
   auto found = read_hits(mesh, job.arena, progress);
   PLUMBLINE_TRY(found);
   if (found->closed && !has_doubtful_sides(found->hits)) return found;
@@ -48,6 +49,36 @@ Expected<MeshHits> find_hits(const PlacedMesh& mesh, const StageContext& job) {
   planned = std::max(planned, job.arena.used() + sides_bytes(mesh.survey.triangles, vertices, job.arena.available()));
   PLUMBLINE_TRY(read_sides(mesh, *found, job.arena, progress));
   return found;
+}
+
+/// Whether most rays leave the mesh before they enter it: its faces face inwards.
+bool is_inside_out(const HitList& hits) {
+  std::int64_t winding = 0;
+  hits.for_each_ray([&](std::span<const PackedHit> ray) { winding += hits.packing().winding(ray.front()); });
+  return winding < 0;
+}
+
+/// The same with outlines that are moved. Which way that is depends on the sides of the faces: if some face inwards, all is found anew.
+/// @param shift  empty
+Expected<MeshHits> find_moved_hits(PlacedMesh& mesh, double by_mm, std::optional<OutlineShift>& shift,
+                                   const StageContext& job, const StageProgress& progress) {
+  auto made = OutlineShift::create(mesh.survey.triangles, job.arena);
+  PLUMBLINE_TRY(made);
+  shift = *made;
+  const std::size_t mark = job.arena.top_mark();
+  TriangleSides sides;
+  for (bool again = false;; again = true) {
+    const StageProgress half = progress.part(again ? 0.5 : 0, again ? 1 : 0.5);
+    PLUMBLINE_TRY(read_shift(mesh, by_mm, sides, *shift, job.arena, half.part(0, kShiftRead)));
+    job.arena.release_top(mark);
+    mesh.shift = &*shift;
+    auto found = find_hits(mesh, job, half.part(kShiftRead, 1));
+    if (!found || again) return found;
+    const bool inside_out = is_inside_out(found->hits);
+    if (found->turned == 0 && !inside_out) return found;
+    if (inside_out) by_mm = -by_mm;
+    sides = found->sides;
+  }
 }
 
 /// Follows the rim alone.
@@ -72,10 +103,10 @@ Status build_tree(const PlacedMesh& mesh, const Box3f& box, const TriangleSides&
   planned =
       std::max(planned + MeshDipoles::field_bytes(slots), arena.used() + reading + MeshDipoles::reading_bytes(slots));
   const double scale = mesh.transform.scale;
-  const auto dipoles = read_dipoles(mesh.files, mesh.survey.most_vertices,
-                                    {mesh.transform, box, mesh.survey.area * scale * scale, caps,
-                                     MeshLattice(mesh.grid, mesh.transform).step(), sides},
-                                    arena, {job.progress, Stage::kRays, kHolesClosed, kFieldRead});
+  const auto dipoles =
+      read_dipoles(mesh.files, mesh.survey.most_vertices,
+                   {mesh.transform, box, mesh.survey.area * scale * scale, caps, mesh.lattice().step(), sides}, arena,
+                   {job.progress, Stage::kRays, kHolesClosed, kFieldRead});
   PLUMBLINE_TRY(dipoles);
   const auto nodes =
       arena.take_top<WindingTree::Node>(WindingTree::nodes_needed(dipoles->cloud.size), "winding number");
@@ -96,12 +127,15 @@ Expected<MeshField> find_field(const PlacedMesh& mesh, MeshHits& found, const Cl
   if (holes.rim.empty()) {
     field.winding.emplace();
   } else {
-    field.rim = {holes.rim, MeshLattice(mesh.grid, mesh.transform).step()};
+    field.rim = {holes.rim, mesh.lattice().step()};
   }
   Box3f box;
   for (const Vec3d& corner : {mesh.survey.bounds.low, mesh.survey.bounds.high}) {
     box.extend(Vec3d(corner * mesh.transform.scale + mesh.transform.shift).cast<float>());
   }
+  const auto outwards = static_cast<float>(std::max(0.0, OutlineShift::kMitre * settings.absolute_correction_mm));
+  box.low -= Vec3f(outwards, outwards, 0);
+  box.high += Vec3f(outwards, outwards, 0);
   const auto tile_of = [](float mm, float pitch, std::uint32_t tiles) {
     return std::min(static_cast<std::uint32_t>(std::max(0.0F, mm / pitch)) / kTileSide, tiles - 1);
   };
@@ -227,10 +261,19 @@ Expected<PreparedMesh> prepare_mesh(MeshFiles& files, const SurveyedMesh& mesh, 
 
 Expected<ShotObject> shoot_mesh(MeshFiles& files, const MeshSurvey& survey, const Placement& placement,
                                 const SliceSettings& settings, const StageContext& job, MeshCounts& counts) {
-  PLUMBLINE_TRY(admit(files, need_of(counts, placement), settings.threads, job));
+  const double correction = settings.absolute_correction_mm;
+  const bool moves = std::abs(correction) > 0;
+  MeshNeed need = need_of(counts, placement);
+  if (moves) need.shift_bytes = OutlineShift::bytes_needed(survey.triangles);
+  PLUMBLINE_TRY(admit(files, need, settings.threads, job));
   job.memory.planned(Stage::kRead) = job.memory.peak(Stage::kRead);  // it has been read, with room for more vertices
-  const PlacedMesh mesh{files, survey, placement.grid, {placement.rotation, placement.scale, placement.shift}};
-  auto found = find_hits(mesh, job);
+  PlacedMesh mesh{files, survey, placement.grid, {placement.rotation, placement.scale, placement.shift}};
+  std::optional<OutlineShift> shift;
+  auto found = [&] {
+    const StageScope stage(Stage::kRayGrid, job);
+    const StageProgress progress{job.progress, Stage::kRayGrid};
+    return moves ? find_moved_hits(mesh, correction, shift, job, progress) : find_hits(mesh, job, progress);
+  }();
   PLUMBLINE_TRY(found);
   counts.closed = found->closed;
   counts.flat = found->flat;

@@ -159,6 +159,16 @@ double average(PreparedScan& scan, ProgressSink* progress) {
   return static_cast<double>(before) / scan.cloud.size;
 }
 
+/// See move_to_print().
+void move_outlines(const Cloud& cloud, float by_mm) {
+  constexpr float kLevel = 0.1F;  // length of n_xy below which a point moves less
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    const Vec3f n = cloud.normal[i].unpack();
+    const float share = by_mm / std::max(kLevel, std::sqrt(n[0] * n[0] + n[1] * n[1]));
+    cloud.position[i] += Vec3f(share * n[0], share * n[1], 0);
+  }
+}
+
 /// Turns the scan until the floor that was cut off is level.
 FloorCut level(PreparedScan& scan, const SurfacePoints& surface) {
   if (!surface.floor || surface.floor_points == 0) return {};
@@ -425,7 +435,7 @@ Status check_has_surface(const PreparedScan& scan, ScanSources sources, const Pl
            title.c_str(), points, plural_s(points)));
 }
 
-PlacedScan move_to_print(const Placement& placement, const PreparedScan& scan) {
+PlacedScan move_to_print(const Placement& placement, const PreparedScan& scan, double outline_mm) {
   const double scale = placement.scale;
   const Vec3d shift = scan.offset * scale + placement.shift;
   PlacedScan placed{.cloud = scan.cloud,
@@ -439,6 +449,7 @@ PlacedScan move_to_print(const Placement& placement, const PreparedScan& scan) {
   const auto move = [&](Vec3f& p) { p = (p.cast<double>() * scale + shift).cast<float>(); };
   std::ranges::for_each(scan.cloud.position.first(scan.cloud.size), move);
   std::ranges::for_each(scan.sample, move);
+  if (std::abs(outline_mm) > 0) move_outlines(placed.cloud, static_cast<float>(outline_mm));
   for (float& r : scan.cloud.radius.first(scan.cloud.size)) r *= static_cast<float>(scale);
   return placed;
 }

@@ -98,7 +98,12 @@ struct PlacedScan {
   std::uint32_t read_points = 0;    ///< of the cloud after reading, for which its room was taken
 };
 /// Moves the points of a scan from scan units to print coordinates.
-/// @param placement  of the rotated scan
-PlacedScan move_to_print(const Placement& placement, const PreparedScan& scan);
+/// @param placement   of the rotated scan
+/// @param outline_mm  by which the surface is moved sideways along its horizontal normal, outwards if above 0:
+///
+///     p + outline_mm n_xy / max(|n_xy|, 0.1)
+///
+/// So the outline of each layer moves by it. Of a nearly level surface, which it would not change, it moves points less.
+PlacedScan move_to_print(const Placement& placement, const PreparedScan& scan, double outline_mm = 0);
 
 }  // namespace plumbline::inline slicer

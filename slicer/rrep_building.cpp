@@ -168,7 +168,12 @@ Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, cons
     ComponentLimits limits = component_limits(shot.lengths.epsilon, shot.placement.grid);
     limits.drop_floating = !settings.keep_all;
     report.components = drop_small_components(shot.store, limits, arena);
-    report.proof = prove(shot.store, shot.sample, kNoiseReach * shot.lengths.noise.value);
+    // The sample lies where the scan has it, not where its outlines were moved to. Beyond a pixel prove() would not find these.
+    const PrintGrid& grid = shot.placement.grid;
+    const auto moved = static_cast<float>(std::abs(settings.absolute_correction_mm));
+    if (moved <= std::min(grid.pitch_x_mm, grid.pitch_y_mm)) {
+      report.proof = prove(shot.store, shot.sample, kNoiseReach * shot.lengths.noise.value + moved);
+    }
   }
   auto rrep = CrossingStore::sort(shot.store, arena);
   PLUMBLINE_TRY(rrep);

@@ -26,6 +26,8 @@ struct SliceSettings {
   std::optional<SupportSettings> supports;  ///< of the print, for whoever adds them, and for the choice of the way up
   bool confidence = false;                  ///< keep a map of the evidence for each part of the surface
   bool keep_all = false;                    ///< keep stray pieces and small components too
+  /// mm by which every outline of a layer is moved, outwards if above 0: light cures walls a little too far out. -0.5 to 0.5
+  double absolute_correction_mm = 0;
   CureModel cure;             ///< of the print: if it is known, add_supports() corrects the object for bleed
   PeelSettings peel;          ///< of the resin: for the checks of the masks only
   FootShrink foot;            ///< of the print: for the checks of the masks only

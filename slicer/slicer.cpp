@@ -69,7 +69,7 @@ Expected<RRep> slice(ScanSources given, const SliceSettings& asked, Arena& arena
     placing.sized_extent = extent_as_it_came(*scan, settings, report.turned);
     const auto placement = place_object(scan->bounds(), placing, report);
     PLUMBLINE_TRY(placement);
-    const PlacedScan placed = move_to_print(*placement, *scan);
+    const PlacedScan placed = move_to_print(*placement, *scan, settings.absolute_correction_mm);
     report.placement = placed.placement;
     report.lengths = placed.lengths;
     return shoot_rays(placed, settings, job);

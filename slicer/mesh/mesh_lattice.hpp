@@ -39,10 +39,14 @@ struct MeshTransform {
   Vec3d operator()(const Vec3d& p) const { return Vec3d(rotation * p) * scale + shift; }
 };
 
+class OutlineShift;
+
 /// Rounds positions of the print to the lattice.
 class MeshLattice {
  public:
-  MeshLattice(const PrintGrid& grid, const MeshTransform& transform) : transform_(transform) {
+  /// @param shift  by which corners are moved; null: they stay
+  MeshLattice(const PrintGrid& grid, const MeshTransform& transform, const OutlineShift* shift = nullptr)
+      : transform_(transform), shift_(shift) {
     steps_ = {static_cast<double>(kPixelSteps) / static_cast<double>(grid.pitch_x_mm),
               static_cast<double>(kPixelSteps) / static_cast<double>(grid.pitch_y_mm),
               static_cast<double>(kLayerSteps) / static_cast<double>(grid.layer_height_mm)};
@@ -53,7 +57,8 @@ class MeshLattice {
   /// @param p  scan coordinates. What place() has let through is in the grid but for rounding, and so is the result.
   LatticePoint operator()(const Vec3d& p) const {
     const Vec3d print = transform_(p);
-    return {round(print[0], 0), round(print[1], 1), round(print[2], 2)};
+    const LatticePoint rounded{round(print[0], 0), round(print[1], 1), round(print[2], 2)};
+    return shift_ == nullptr ? rounded : moved(rounded);
   }
   /// The same before it is rounded, and where it may lie outside of the grid.
   Vec3d steps_of(const Vec3d& p) const {
@@ -69,7 +74,10 @@ class MeshLattice {
     return static_cast<std::int32_t>(std::clamp(std::floor(mm * steps_[axis] + 0.5), 0.0, last_[axis]));
   }
 
+  LatticePoint moved(const LatticePoint& p) const;  // outline_shift.cpp
+
   MeshTransform transform_;
+  const OutlineShift* shift_;
   Vec3d steps_;  ///< in a mm
   Vec3d last_;   ///< steps to the far corner of the grid
 };

@@ -70,11 +70,7 @@ class HitSink final : public StagedSink {
  public:
   /// @param joined  whose sides the triangles get; null: they stay as they are
   HitSink(const PlacedMesh& mesh, const StageProgress& progress, HitList& hits, JoinedShells* joined)
-      : StagedSink(mesh.files, progress),
-        grid_(mesh.grid),
-        lattice_(mesh.grid, mesh.transform),
-        hits_(hits),
-        joined_(joined) {}
+      : StagedSink(mesh.files, progress), grid_(mesh.grid), lattice_(mesh.lattice()), hits_(hits), joined_(joined) {}
 
   Status take(std::span<const Triangle> triangles) override {
     bool full = false;
@@ -182,6 +178,35 @@ class EdgeSink final : public StagedSink {
   OpenEdges& edges_;
   bool users_;
   std::uint64_t number_ = 0;
+};
+
+/// Adds up how corners move. Negative volumes stay where they are.
+class ShiftSink final : public StagedSink {
+ public:
+  ShiftSink(const PlacedMesh& mesh, const StageProgress& progress, const TriangleSides& sides, OutlineShift& shift)
+      : StagedSink(mesh.files, progress),
+        transform_(mesh.transform),
+        lattice_(mesh.grid, mesh.transform),
+        sides_(sides),
+        shift_(shift) {}
+
+  Status take(std::span<const Triangle> triangles) override {
+    for (Triangle t : triangles) {
+      if (!sides_.apply(number_++, t) || body_.is_negative()) continue;
+      if (shift_.add(on_lattice(lattice_, t), {transform_(t[0]), transform_(t[1]), transform_(t[2])})) continue;
+      return fail(ErrorCode::kBadSetting,
+                  "absolute_correction moves the corners of a mesh with all triangles that meet there, but hardly any "
+                  "of this mesh share corners.\tMerge its vertices in a mesh editor, or set absolute_correction to 0");
+    }
+    return {};
+  }
+
+ private:
+  const MeshTransform& transform_;
+  MeshLattice lattice_;
+  const TriangleSides& sides_;
+  OutlineShift& shift_;
+  std::size_t number_ = 0;
 };
 
 class DipoleSink final : public StagedSink {
@@ -296,7 +321,7 @@ std::size_t use_room(std::uint64_t triangles, std::size_t available) {
 /// Joins all triangles.
 /// @returns false: there is no room
 Expected<bool> join(const PlacedMesh& mesh, ShellJoiner& joiner, Arena& arena, const StageProgress& progress) {
-  const MeshLattice lattice(mesh.grid, mesh.transform);
+  const MeshLattice lattice = mesh.lattice();
   const BottomScope scope(arena);
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
@@ -335,6 +360,20 @@ Expected<SurveyedMesh> read_survey(MeshFiles& files, const Mat3d& rotation, std:
 
 Expected<MeshHits> read_hits(const PlacedMesh& mesh, Arena& arena, const StageProgress& progress) {
   return hit(mesh, nullptr, arena, progress);
+}
+
+Status read_shift(const PlacedMesh& mesh, double by_mm, const TriangleSides& sides, OutlineShift& shift, Arena& arena,
+                  const StageProgress& progress) {
+  const BottomScope scope(arena);
+  const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
+  PLUMBLINE_TRY(workspace);
+  auto vertices = VertexList::create(mesh.files.vertices_kept(mesh.survey.most_vertices), arena);
+  PLUMBLINE_TRY(vertices);
+  shift.clear();
+  ShiftSink sink(mesh, progress, sides, shift);
+  PLUMBLINE_TRY(mesh.files.read(sink, *vertices, *workspace, [](const MeshSummary&) {}));
+  shift.solve(by_mm, mesh.lattice().step());
+  return {};
 }
 
 std::size_t sides_bytes(std::uint64_t triangles, std::uint64_t most_vertices, std::size_t available) {
@@ -401,7 +440,7 @@ Expected<ClosedHoles> close_holes(const PlacedMesh& mesh, MeshHits& found, Arena
   PLUMBLINE_TRY(vertices);
   auto edges = OpenEdges::create(arena);
   PLUMBLINE_TRY(edges);
-  const MeshLattice lattice(mesh.grid, mesh.transform);
+  const MeshLattice lattice = mesh.lattice();
   for (const bool users : {false, true}) {
     if (users) PLUMBLINE_TRY(edges->begin_users());
     const StageProgress half = users ? progress.part(0.5, 1) : progress.part(0, 0.5);

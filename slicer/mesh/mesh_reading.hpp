@@ -14,6 +14,7 @@
 #include "slicer/mesh/mesh_lattice.hpp"
 #include "slicer/mesh/mesh_survey.hpp"
 #include "slicer/mesh/open/rim_winding.hpp"
+#include "slicer/mesh/outline_shift.hpp"
 #include "slicer/mesh/shells.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
@@ -38,7 +39,18 @@ struct PlacedMesh {
   const MeshSurvey& survey;  ///< of the same files
   PrintGrid grid;
   MeshTransform transform;
+  const OutlineShift* shift = nullptr;  ///< by which its corners are moved; null: they stay
+
+  MeshLattice lattice() const { return {grid, transform, shift}; }
 };
+
+/// Reads the triangles once, to find how their corners move.
+/// @param by_mm  see OutlineShift
+/// @param sides  of the triangles; empty: as they are in the files
+/// @param shift  replaced
+/// @retval ErrorCode::kBadSetting  hardly any triangles share corners, so none can move with its neighbours
+[[nodiscard]] Status read_shift(const PlacedMesh& mesh, double by_mm, const TriangleSides& sides, OutlineShift& shift,
+                                Arena& arena, const StageProgress& progress);
 
 struct MeshHits {
   HitList hits;            ///< sorted, at the top of the arena

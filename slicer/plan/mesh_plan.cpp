@@ -23,7 +23,7 @@ constexpr double kMostHits = static_cast<double>(std::numeric_limits<std::size_t
 MeshNeed need_of(const MeshCounts& mesh, const Placement& placement) {
   const PrintGrid& grid = placement.grid;
   const double pixel_mm2 = static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm);
-  return {mesh.most_vertices, grid, mesh.seen_area * placement.scale * placement.scale / pixel_mm2, 0};
+  return {mesh.most_vertices, grid, mesh.seen_area * placement.scale * placement.scale / pixel_mm2};
 }
 
 MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
@@ -37,8 +37,8 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   const std::uint32_t struts = most_struts(grid);
   const auto set = [&](Stage stage, std::size_t bytes) { plan.bytes[static_cast<std::size_t>(stage)] = bytes; };
   set(Stage::kRead, reading);
-  set(Stage::kRayGrid, reading + hits);
-  set(Stage::kRays, hits + resolve_bytes(threads, nullptr) + store);
+  set(Stage::kRayGrid, reading + need.shift_bytes + hits);
+  set(Stage::kRays, need.shift_bytes + hits + resolve_bytes(threads, nullptr) + store);
   // The search for empty layers streams the masks.
   set(Stage::kRRep, std::max(store + std::max(store, rrep) + CrossingStore::row_room_bytes(grid),
                              rrep + LayerStream::bytes_needed(grid)));

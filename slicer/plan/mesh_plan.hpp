@@ -15,6 +15,7 @@ struct MeshNeed {
   double hits = 0;  ///< of rays and triangles, estimated from the triangles' areas: within 2 % for a large object
   /// Of the arena, for a copy of the file. They are given back after the second reading.
   std::size_t copied_bytes = 0;
+  std::size_t shift_bytes = 0;  ///< OutlineShift::bytes_needed(), until the rays are shot; 0: outlines are not moved
 };
 
 /// @param mesh  as surveyed

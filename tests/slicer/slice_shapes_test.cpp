@@ -46,6 +46,24 @@ TEST(SliceShapes, ASphereHasItsVolumeWithinAThousandth) {
   EXPECT_EQ(sliced.rays(RayDecision::kBase), 0U);
 }
 
+TEST(SliceShapes, ASphereHasItsOutlinesWhereTheAbsoluteCorrectionMovesThem) {
+  SliceSettings settings = settings_with_pitch(0.1F);
+  const auto mean_radius = [&](double by) {
+    settings.absolute_correction_mm = by;
+    const Slicing sliced(binary_ply(sphere(200000, 20, {0, 0, 0})), settings, 128 * kMiB);
+    EXPECT_LT(sliced.report().proof.share_off(), 0.001);
+    std::uint64_t voxels = 0, layers = 0;
+    sliced.for_each_section([&](std::uint32_t k, ConstBitImage section) {
+      if (std::abs(sliced.middle_of(0, 0, k)[2]) > 5) return;
+      voxels += section.count();
+      ++layers;
+    });
+    return std::sqrt(static_cast<double>(voxels) * 0.01 / (static_cast<double>(layers) * kPi));
+  };
+  const double before = mean_radius(0);
+  for (const double by : {-0.05, -0.02, 0.03}) EXPECT_NEAR(mean_radius(by) - before, by, 0.001);
+}
+
 TEST(SliceShapes, AStandingTorusIsInItsPlace) {
   const Slicing sliced(binary_ply(torus(8, 3, {5, 5, 11}, 0.15, 0)), settings_with_pitch(0.1F), 64 * kMiB);
   const auto distance = [](const Vec3d& p) {
