@@ -25,6 +25,9 @@ double rounded_down(double x) {
   return std::floor(x / unit) * unit;
 }
 
+/// @returns a length times a factor, in one rounding
+float scaled(float mm, double factor) { return static_cast<float>(static_cast<double>(mm) * factor); }
+
 std::uint32_t cells(double length, double pitch) {
   return static_cast<std::uint32_t>(std::clamp(std::ceil(length / pitch - 1e-6), 1.0, 4.0e9));
 }
@@ -67,6 +70,15 @@ PlacementSettings PlacementSettings::with_units(Units other) const {
   PlacementSettings settings = *this;
   settings.units = other;
   return settings;
+}
+
+void PlacementSettings::correct(const Vec3d& by) {
+  correction = by;
+  layer_height_mm = scaled(layer_height_mm, 1 / by[2]);
+  if (!printer) return;
+  printer->pitch_x_mm = scaled(printer->pitch_x_mm, 1 / by[0]);
+  printer->pitch_y_mm = scaled(printer->pitch_y_mm, 1 / by[1]);
+  printer->travel_mm = scaled(printer->travel_mm, 1 / by[2]);
 }
 
 double PlacementSettings::finest_pitch_mm() const {
@@ -115,6 +127,14 @@ Vec3d Placement::origin_in_scan() const { return rotation.transpose() * (-shift 
 double whole_layers(float travel_mm, float layer_height_mm) {
   const double layers = static_cast<double>(travel_mm) / static_cast<double>(layer_height_mm);
   return std::min(std::floor(layers + kWholeLayer), double{PrintGrid::kMaxLayers});
+}
+
+PrintGrid machine_grid(const PrintGrid& grid, const Vec3d& correction) {
+  PrintGrid machine = grid;
+  machine.pitch_x_mm = scaled(grid.pitch_x_mm, correction[0]);
+  machine.pitch_y_mm = scaled(grid.pitch_y_mm, correction[1]);
+  machine.layer_height_mm = scaled(grid.layer_height_mm, correction[2]);
+  return machine;
 }
 
 PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm) {

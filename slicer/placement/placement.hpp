@@ -66,8 +66,14 @@ struct PlacementSettings {
   float layer_height_mm = 0.05F;
   PlacementRoom room;                    ///< kept by `fit`, and in a grid of the object's own
   std::optional<PrinterVolume> printer;  ///< none: the grid is as large as the object
+  /// By how much larger than the object its masks are, along x, y and z: it shrinks after it has cured. All lengths here, and those of the
+  /// grid, are the object's: the machine's are this many times as large. Set by correct().
+  Vec3d correction = Vec3d::Ones();
 
   PlacementSettings with_units(Units other) const;
+  /// Makes lengths of the machine those of the object. Once, when all others are set.
+  /// @param by  above 0
+  void correct(const Vec3d& by);
   double finest_pitch_mm() const;  ///< of a pixel, along x or y
 };
 
@@ -94,6 +100,10 @@ struct Placement {
 
 /// Whole layers that a travel has room for, PrintGrid::kMaxLayers at most.
 double whole_layers(float travel_mm, float layer_height_mm);
+
+/// The same grid with the pixels and layers of the machine.
+/// @param correction  PlacementSettings::correction
+PrintGrid machine_grid(const PrintGrid& grid, const Vec3d& correction);
 
 /// The grid of the printer's whole volume. Memory is planned for it before the object's size is known.
 PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm);

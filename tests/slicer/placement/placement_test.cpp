@@ -71,6 +71,33 @@ TEST(Placement, StandsInTheFirstLayerInsideAMarginWithoutAPrinter) {
   }
 }
 
+TEST(Placement, MakesMasksLargerByWhatThePrintShrinks) {
+  PlacementSettings settings = on_a_printer();
+  settings.correct({1.02, 1.01, 1.05});
+  const Placement p = value_of(place(box_of({0, 0, 0}, {30, 20, 40}), 1, settings));
+  EXPECT_EQ(p.grid.columns, 1440U);
+  EXPECT_TRUE(p.size_mm.isApprox(Vec3d(30, 20, 40)));
+  EXPECT_NEAR(static_cast<double>(p.grid.pitch_x_mm), 0.05 / 1.02, 1e-8);
+  EXPECT_NEAR(static_cast<double>(p.grid.pitch_y_mm), 0.05 / 1.01, 1e-8);
+  EXPECT_EQ(p.grid.layers, 840U) << "40 mm that shrink from 42, in layers of 0.05";
+  const PrintGrid machine = machine_grid(p.grid, settings.correction);
+  EXPECT_NEAR(static_cast<double>(machine.pitch_x_mm), 0.05, 1e-8);
+  EXPECT_NEAR(static_cast<double>(machine.layer_height_mm), 0.05, 1e-8);
+  settings.fit = true;
+  const Placement largest = value_of(place(box_of({0, 0, 0}, {1, 1, 30}), 1, settings));
+  EXPECT_NEAR(largest.size_mm[2], 150 / 1.05, 0.1) << "the travel holds less than before";
+}
+
+TEST(Placement, IsNotChangedByACorrectionOfOne) {
+  PlacementSettings settings = on_a_printer();
+  settings.printer->pitch_x_mm = 0.04725F;
+  const PlacementSettings before = settings;
+  settings.correct(Vec3d::Ones());
+  EXPECT_EQ(settings.printer->pitch_x_mm, before.printer->pitch_x_mm);
+  EXPECT_EQ(settings.printer->travel_mm, before.printer->travel_mm);
+  EXPECT_EQ(settings.layer_height_mm, before.layer_height_mm);
+}
+
 TEST(Placement, StandsInTheMiddleOfThePanelOnAPrinter) {
   const Placement p = value_of(place(box_of({-5, 10, 7}, {25, 30, 47}), 1, on_a_printer()));
   EXPECT_EQ(p.grid.columns, 1440U);
