@@ -34,10 +34,10 @@ constexpr const char* kInspectFooter =
     "sliced coarsely to see this, without supports. Only the pictures are written to disk.\n";
 
 /// @returns the time in words; empty if it is unknown
-std::string print_time_of(const ScanOutlook& outlook, const std::optional<BoardFile>& board) {
-  if (!board || !outlook.scan.placement) return {};
-  const PrintGrid& grid = outlook.scan.placement->grid;
-  const auto time = estimate_print_time(*board, grid.layers, static_cast<double>(grid.layer_height_mm));
+std::string print_time_of(const ScanOutlook& outlook, const JobSetup& setup) {
+  if (!setup.board || !outlook.scan.placement) return {};
+  const auto time = estimate_print_time(*setup.board, outlook.scan.placement->grid.layers,
+                                        static_cast<double>(setup.placement.layer_height_mm));
   return time ? time->text() : std::string();
 }
 
@@ -143,7 +143,7 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
                                       "--picture; 'plumbline slice' draws a preview",
                                       scan->title().c_str()));
   }
-  ScanOutlook outlook = make_outlook(report, setup->placement, arena.capacity(), setup->threads);
+  ScanOutlook outlook = make_outlook(report, settings.placement, arena.capacity(), setup->threads);
   outlook.coverage = coverage;
   outlook.findings = findings;
   outlook.coarse_grid = coarse_grid;
@@ -165,7 +165,7 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   JsonWriter json(out);
   if (options.json) write_outlook(json, outlook);
   const auto written =
-      options.json ? json.finish() : write_outlook(out, outlook, print_time_of(outlook, setup->board), options.verbose);
+      options.json ? json.finish() : write_outlook(out, outlook, print_time_of(outlook, *setup), options.verbose);
   return written ? ExitCode::kDone : report_error(written.error());
 }
 

@@ -122,7 +122,8 @@ Status check_archive_options(const PrintOptions& options) {
   const bool read_otherwise = job.units != Units::kMillimetres || job.as != ReadAs::kAuto ||
                               job.base != BaseChoice::kAuto || job.floor != FloorChoice() || job.keep_all;
   const bool supported = options.supports != SupportChoice();
-  if (job.scale == 1 && !job.fit && !job.size && !turned && !read_otherwise && !supported) return {};
+  const bool moved = job.absolute_correction_mm.has_value();
+  if (job.scale == 1 && !job.fit && !job.size && !turned && !read_otherwise && !supported && !moved) return {};
   return fail(ErrorCode::kBadSetting,
               "%s: is sliced already, so it is printed as it is.\tLeave out the options that place, read or support a "
               "scan",
@@ -231,8 +232,7 @@ Expected<Printable> slice_scan(const PrintOptions& options, const JobSetup& setu
   PLUMBLINE_TRY(supports);
   const auto scan = ScanFiles::open(options.job.scans);
   PLUMBLINE_TRY(scan);
-  SliceSettings settings = slice_settings(setup, *supports);
-  tell_checks(printer.profile, printer.machine, settings);
+  const SliceSettings settings = slice_settings(setup, *supports, &printer.profile);
   auto printable = slice_printable(scan->sources(), settings, printer.profile, printer.machine, terminal.arena(),
                                    &terminal.progress());
   PLUMBLINE_TRY(printable);
@@ -356,7 +356,11 @@ std::optional<MeasuredSurface> measure(const std::optional<TruthMesh>& truth, co
       truth ? truth->surface(placement) : surface_samples(printable.parts.rrep, bleed ? bleed->model : CureModel()),
       {}};
   leave_out_supports(printable.parts.supports, placement.grid, surface.points);
-  surface.deviations_mm = witness.deviations_mm(surface.points);
+  // No resin of a simulated printer shrinks: its part is as large as the masks.
+  const Vec3f masks = printable.facts.contract.sizes.relative().cast<float>();
+  std::vector<OrientedPoint> before_shrinking = surface.points;
+  for (OrientedPoint& point : before_shrinking) point.at = point.at.cwiseProduct(masks);
+  surface.deviations_mm = witness.deviations_mm(before_shrinking);
   return surface;
 }
 
@@ -380,6 +384,7 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
                    "Resin and print settings: a name, such as draft, or a profile's file [the printer's]")
       ->type_name("NAME")
       ->group(kPrint);
+  add_correction_option(*command, options.job);
   auto* state =
       command->add_option("--state", options.state, "Folder for the journal, to go on after a power cut [no journal]")
           ->type_name("DIR")
@@ -395,7 +400,8 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
       ->needs(state)
       ->excludes(resume)
       ->group(kPrint);
-  for (const char* const name : {"--support-preset", "--support-stand", "--support-buildplate-only"}) {
+  for (const char* const name :
+       {"--support-preset", "--support-stand", "--support-buildplate-only", "--absolute-correction"}) {
     resume->excludes(name);
   }
   for (const SupportField& field : kSupportFields) resume->excludes(option_name(field.key));

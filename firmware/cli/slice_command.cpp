@@ -42,16 +42,18 @@ constexpr const char* kSliceFooter =
     "\n"
     "Exit status: 0 done, 1 file, scan or disk error, 2 wrong command line, 130 interrupted.\n";
 
-Status write_result(const JobReport& report, const SliceOptions& options, const std::optional<BoardFile>& board) {
+Status write_result(const JobReport& report, const SliceOptions& options, const JobSetup& setup) {
   OutputFile out = OutputFile::standard_output();
   if (options.job.json) {
     JsonWriter json(out);
     write_manifest(json, report, {});
     return json.finish();
   }
-  const PrintGrid& grid = report.slice.placement.grid;
   std::optional<PrintTime> time;
-  if (board) time = estimate_print_time(*board, grid.layers, static_cast<double>(grid.layer_height_mm));
+  if (setup.board) {
+    time = estimate_print_time(*setup.board, report.slice.placement.grid.layers,
+                               static_cast<double>(setup.placement.layer_height_mm));
+  }
   return write_summary(out, report, options.output.c_str(), time ? time->text() : std::string(), options.job.verbose);
 }
 
@@ -85,8 +87,9 @@ Expected<ArchiveOutput> archive_output(const JobSetup& setup, const std::string&
   PLUMBLINE_TRY(machine);
   auto profile = read_print_profile(machine->profile, board.path);
   PLUMBLINE_TRY(profile);
-  const auto seconds = [board](const PrintGrid& grid) {
-    const auto time = estimate_print_time(board, grid.layers, static_cast<double>(grid.layer_height_mm));
+  const auto seconds = [board](const PrintGrid& machine_grid) {
+    const auto time =
+        estimate_print_time(board, machine_grid.layers, static_cast<double>(machine_grid.layer_height_mm));
     return time ? std::chrono::duration<double>(time->time).count() : 0;
   };
   return ArchiveOutput{board, std::move(*profile), seconds};
@@ -136,7 +139,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   }
   for (const auto& warning : job->report().warnings.all()) terminal.warn(warning.view());
   if (options.job.quiet && !options.job.json) return ExitCode::kDone;
-  const auto written = write_result(job->report(), options, setup->board);
+  const auto written = write_result(job->report(), options, *setup);
   return written ? ExitCode::kDone : report_error(written.error());
 }
 

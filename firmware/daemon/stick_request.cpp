@@ -1,5 +1,7 @@
 #include "firmware/daemon/stick_request.hpp"
 
+#include <algorithm>
+
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/print/job/print_plan.hpp"
 #include "firmware/settings/support_choice.hpp"
@@ -37,6 +39,8 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   placement.rotation_degrees = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
   placement.layer_height_mm = static_cast<float>(profile.layer_height);
   placement.printer = printer_volume(daemon.board);
+  const bool is_sliced = is_archive_name(scan[0].name());
+  if (!is_sliced) correct_sizes(profile, daemon.board, request.settings);
   tell_checks(profile, daemon.machine, request.settings);
   const auto supports = job.supports.over(profile.supports_enable, profile.supports);
   if (!supports) {
@@ -45,7 +49,8 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   }
   request.settings.supports = *supports;
   if (*supports) placement.room = support_room(**supports);
-  if (is_archive_name(scan[0].name())) {
+  placement.room.beside_mm += std::max(0.0, request.settings.absolute_correction_mm);
+  if (is_sliced) {
     JobSettings settings = job;
     settings.layer_height = 0;
     settings.values = {};
@@ -60,7 +65,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
     request.archive.ask = ArchiveRequest::Ask::kCheck;
     request.settings.supports.reset();
   }
-  PLUMBLINE_TRY(plan_print(profile, daemon.machine, static_cast<double>(placement.layer_height_mm), 1));
+  PLUMBLINE_TRY(plan_print(profile, daemon.machine, profile.layer_height, 1));
   return request;
 }
 

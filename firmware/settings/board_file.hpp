@@ -1,6 +1,7 @@
 #pragma once
 /// Reads the file that describes a printer, board/*.toml. board/README.md explains each key.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -80,11 +81,16 @@ struct BoardFile {
   double pixel_pitch_x_mm = 0;  ///< [panel]
   double pixel_pitch_y_mm = 0;  ///< [panel]
   double travel_mm = 0;         ///< [z_stage] height of the tallest print
+  /// [printer] by how much larger than the object masks are, along x, y and z; the profile's material_correction multiplies it
+  std::array<double, 3> relative_correction = {1, 1, 1};
   double layer_height_mm = 0;   ///< [print]
   std::uint32_t arena_mib = 0;  ///< [memory]
   /// Absent if the file describes only what slicing needs: it must have all of these keys or none.
   std::optional<MachineFile> machine;
 };
+
+/// Range of relative_correction and material_correction.
+inline constexpr double kLeastCorrection = 0.9, kMostCorrection = 1.1;
 
 /// Reads a board file, which must be named after its printer.
 /// @param name_or_path  see find_board_file()

@@ -61,11 +61,13 @@ Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes) {
   setup.keep_clean = options.keep_clean;
   setup.keep_all = options.keep_all;
   setup.peel = peel_of(setup.board);
+  setup.absolute_correction_mm = options.absolute_correction_mm;
   setup.threads = options.threads.value_or(default_threads());
   return setup;
 }
 
-SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportSettings>& supports) {
+SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportSettings>& supports,
+                             const PrintProfile* profile) {
   SliceSettings settings;
   settings.placement = setup.placement;
   if (supports) settings.placement.room = support_room(*supports);
@@ -77,7 +79,14 @@ SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportS
   settings.orient = setup.orient;
   settings.keep_all = setup.keep_all;
   settings.peel = setup.peel;
-  tell_checks(setup.board, settings);
+  if (setup.board) {
+    const PrintProfile own = profile == nullptr ? profile_or_defaults(setup.board) : PrintProfile();
+    const PrintProfile& told = profile == nullptr ? own : *profile;
+    correct_sizes(told, *setup.board, settings);
+    if (setup.board->machine) tell_checks(told, *setup.board->machine, settings);
+  }
+  if (setup.absolute_correction_mm) settings.absolute_correction_mm = *setup.absolute_correction_mm;
+  settings.placement.room.beside_mm += std::max(0.0, settings.absolute_correction_mm);
   settings.threads = setup.threads;
   return settings;
 }

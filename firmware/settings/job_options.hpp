@@ -14,15 +14,18 @@
 
 namespace plumbline::firmware::inline settings {
 
+struct PrintProfile;
+
 /// As on the command line. Absent options come from the board file or have a default.
 struct JobOptions {
-  std::vector<std::string> scans;         ///< files of one scan, in this order; 1 to kMostScans
-  std::string printer;                    ///< a printer's name or board file; empty: none
-  std::optional<double> pixel_pitch_mm;   ///< kFinestMm to kCoarsestMm; without a printer only
-  std::optional<double> layer_height_mm;  ///< kFinestMm to kCoarsestMm
-  double scale = 1;                       ///< kSmallestScale to kLargestScale
-  bool fit = false;                       ///< with a printer only
-  std::optional<PrintSize> size;          ///< instead of the scale; kSmallestSizeMm to kLargestSizeMm
+  std::vector<std::string> scans;                ///< files of one scan, in this order; 1 to kMostScans
+  std::string printer;                           ///< a printer's name or board file; empty: none
+  std::optional<double> pixel_pitch_mm;          ///< kFinestMm to kCoarsestMm; without a printer only
+  std::optional<double> layer_height_mm;         ///< kFinestMm to kCoarsestMm
+  std::optional<double> absolute_correction_mm;  ///< -kMostMoved to kMostMoved
+  double scale = 1;                              ///< kSmallestScale to kLargestScale
+  bool fit = false;                              ///< with a printer only
+  std::optional<PrintSize> size;                 ///< instead of the scale; kSmallestSizeMm to kLargestSizeMm
   std::array<double, 3> rotate_degrees = {};
   Units units = Units::kMillimetres;
   ReadAs as = ReadAs::kAuto;
@@ -47,7 +50,7 @@ inline constexpr std::uint32_t kMostDefaultThreads = 8;  ///< more gain little, 
 
 /// The completed options.
 struct JobSetup {
-  PlacementSettings placement;
+  PlacementSettings placement;     ///< with the lengths of the machine, which slice_settings() corrects
   std::string printer_name;        ///< empty without a printer
   std::optional<BoardFile> board;  ///< none without a printer
   std::size_t arena_bytes = 0;
@@ -57,13 +60,16 @@ struct JobSetup {
   bool orient = false;
   CleanSide keep_clean = CleanSide::kNone;
   bool keep_all = false;
-  PeelSettings peel;  ///< of the board's profile
+  PeelSettings peel;                             ///< of the board's profile
+  std::optional<double> absolute_correction_mm;  ///< none: the profile's
   std::uint32_t threads = 1;
 };
 
 /// The settings of slice() and inspect().
 /// @param supports  of the print, which need room on the plate; none: no supports
-SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportSettings>& supports = {});
+/// @param profile   of the print; null: the board's own
+SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportSettings>& supports = {},
+                             const PrintProfile* profile = nullptr);
 
 /// Completes the options.
 /// @param built_bytes  of the largest arena the program was built for

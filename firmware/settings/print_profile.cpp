@@ -20,6 +20,9 @@ std::vector<SettingRule> rules_for(PrintProfile& p, SupportChoice& supports) {
       {"resin", "critical_energy", &p.critical_energy, 0.1, 500, " mJ/cm2"},
       {"resin", "exchange", &p.exchange, 0, 1, "", kOptional},
       {"resin", "blur", &p.blur, 0, 2, " px", kOptional},
+      {"resin", "material_correction_x", &p.material_correction[0], kLeastCorrection, kMostCorrection, "", kOptional},
+      {"resin", "material_correction_y", &p.material_correction[1], kLeastCorrection, kMostCorrection, "", kOptional},
+      {"resin", "material_correction_z", &p.material_correction[2], kLeastCorrection, kMostCorrection, "", kOptional},
       {"resin", "green_strength", &p.peel.green_strength_mpa, 0.01, 100, " MPa", kOptional},
       {"resin", "plate_adhesion", &p.peel.plate_adhesion_mpa, 0.001, 100, " MPa", kOptional},
       {"resin", "peel_traction", &p.peel.traction_kpa, 0, 1000, " kPa", kOptional},
@@ -27,6 +30,7 @@ std::vector<SettingRule> rules_for(PrintProfile& p, SupportChoice& supports) {
       {"resin", "peel_suction", &p.peel.suction_kpa, 0, 101, " kPa", kOptional},
       {"resin", "bottle_cost", &p.bottle_cost, 0, 100000, "", kOptional},
       {"resin", "bottle_volume", &p.bottle_volume, 1, 100000, " ml", kOptional},
+      {"print", "absolute_correction", &p.absolute_correction, -kMostMoved, kMostMoved, " mm", kOptional},
       {"supports", "supports_enable", &p.supports_enable, 0, 0, "", kOptional},
   };
   for (const PrintField& field : kPrintFields) {
@@ -87,14 +91,10 @@ Expected<PrintProfile> read_print_profile(const std::string& name_or_path, const
   return read_print_profile(*path);
 }
 
-namespace {
-
 PrintProfile profile_or_defaults(const std::optional<BoardFile>& board) {
   if (!board || !board->machine) return {};
   return read_print_profile(board->machine->profile, board->path).value_or(PrintProfile());
 }
-
-}  // namespace
 
 CheckPolicy checks_of(const std::optional<BoardFile>& board) { return profile_or_defaults(board).checks; }
 
@@ -104,6 +104,15 @@ double cure_depth_mm(const PrintProfile& profile, double dose_mj_cm2) {
   return profile.penetration_depth * std::log(dose_mj_cm2 / profile.critical_energy);
 }
 
+void correct_sizes(const PrintProfile& profile, const BoardFile& board, SliceSettings& settings) {
+  Vec3d by;
+  for (std::size_t i = 0; i < 3; ++i) {
+    by[static_cast<int>(i)] = board.relative_correction[i] * profile.material_correction[i];
+  }
+  settings.placement.correct(by);
+  settings.absolute_correction_mm = profile.absolute_correction;
+}
+
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings) {
   settings.peel = profile.peel;
   settings.foot = {profile.elefant_foot_compensation, profile.bottom_layer_count, profile.faded_layers};
@@ -111,8 +120,9 @@ void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceS
   // The dose of a normal layer; bottom and faded layers get more.
   const double dose = machine.power_mw_cm2 * profile.exposure_time;
   if (dose <= 0 || profile.critical_energy <= 0) return;
+  const double shrinks = settings.placement.correction[2];  // light goes as deep as the machine measures
   if (profile.exchange) {
-    settings.cure = {.penetration_mm = profile.penetration_depth,
+    settings.cure = {.penetration_mm = profile.penetration_depth / shrinks,
                      .critical_dose = profile.critical_energy,
                      .exchange = *profile.exchange,
                      .dose = dose,
@@ -120,12 +130,7 @@ void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceS
                      .bottom_layers = profile.bottom_layer_count,
                      .faded_layers = profile.faded_layers};
   }
-  const double depth = cure_depth_mm(profile, dose);
+  const double depth = cure_depth_mm(profile, dose) / shrinks;
   settings.overcure_mm = std::max(0.0, depth - static_cast<double>(settings.placement.layer_height_mm));
 }
-
-void tell_checks(const std::optional<BoardFile>& board, SliceSettings& settings) {
-  if (board && board->machine) tell_checks(profile_or_defaults(board), *board->machine, settings);
-}
-
 }  // namespace plumbline::firmware::inline settings

@@ -17,6 +17,9 @@
 
 namespace plumbline::firmware::inline settings {
 
+/// mm: largest absolute_correction, either way.
+inline constexpr double kMostMoved = 0.5;
+
 /// Names are those of PrusaSlicer's SLA settings where it has one. Every number is inside the range given in
 /// board/README.md. Heights in mm, times in s, speeds in mm/min, as resin users know them; PrintPlan has them as types.
 struct PrintProfile {
@@ -24,12 +27,14 @@ struct PrintProfile {
   double penetration_depth = 0;  ///< [resin] mm: Dp of Jacobs' working curve Cd = Dp ln(E / Ec)
   double critical_energy = 0;    ///< [resin] mJ/cm2: Ec of that curve
   std::optional<double>
-      exchange;              ///< [resin] 0: doses of layers add up, 1: each lift brings fresh resin. None: not known
-  double blur = 0.5;         ///< [resin] pixels: sigma of the Gaussian that blurs the light
-  PeelSettings peel;         ///< [resin] green_strength, plate_adhesion and peel_...
-  double bottle_cost = 0;    ///< [resin] of a bottle, in any currency; 0: unknown
-  double bottle_volume = 0;  ///< [resin] ml of a bottle; 0: unknown
-  double layer_height = 0;   ///< [print] mm
+      exchange;       ///< [resin] 0: doses of layers add up, 1: each lift brings fresh resin. None: not known
+  double blur = 0.5;  ///< [resin] pixels: sigma of the Gaussian that blurs the light
+  /// [resin] by how much larger than the object its masks are, along x, y and z: times the printer's relative_correction
+  std::array<double, 3> material_correction = {1, 1, 1};
+  PeelSettings peel;                     ///< [resin] green_strength, plate_adhesion and peel_...
+  double bottle_cost = 0;                ///< [resin] of a bottle, in any currency; 0: unknown
+  double bottle_volume = 0;              ///< [resin] ml of a bottle; 0: unknown
+  double layer_height = 0;               ///< [print] mm
   double initial_layer_height = 0;       ///< mm, of an archive's first layer; 0: as high as the others
   double exposure_time = 0;              ///< [print] s
   double initial_exposure_time = 0;      ///< [print] s, of the bottom layers
@@ -46,6 +51,7 @@ struct PrintProfile {
   double retract_height2 = 0;            ///< [print] mm, second, slow part, next to the film; 0: none
   double retract_speed2 = 0;             ///< [print] mm/min
   double elefant_foot_compensation = 0;  ///< [print] mm by which the outline of the bottom layers is moved inwards
+  double absolute_correction = 0;        ///< [print] mm by which every outline is moved, outwards if above 0
   double pause_lift_height = 0;          ///< [print] mm that a pause raises the part
   bool supports_enable = true;           ///< [supports] for jobs that don't say
   SupportSettings supports;              ///< [supports] what they look like
@@ -65,6 +71,8 @@ struct PrintProfile {
 /// @param name_or_path, board_path  see find_profile()
 [[nodiscard]] Expected<PrintProfile> read_print_profile(const std::string& name_or_path, const std::string& board_path);
 
+/// The printer's own profile; the defaults without a printer, or if it can't be read.
+PrintProfile profile_or_defaults(const std::optional<BoardFile>& board);
 /// [checks] of the printer's own profile; the defaults without a printer, or if its profile can't be read.
 CheckPolicy checks_of(const std::optional<BoardFile>& board);
 /// The [resin] of a board's profile, for the checks; the defaults if there is none or it is wrong.
@@ -73,10 +81,12 @@ PeelSettings peel_of(const std::optional<BoardFile>& board);
 /// How deep a dose cures: Dp ln(E / Ec), Jacobs' working curve (1992). Negative below Ec.
 double cure_depth_mm(const PrintProfile& profile, double dose_mj_cm2);
 
+/// The true size: what a print shrinks by (the printer's correction times the resin's), and by how much its outlines are moved.
+/// @param settings  with the lengths of the machine, which become the object's
+void correct_sizes(const PrintProfile& profile, const BoardFile& board, SliceSettings& settings);
+
 /// What the checks of the masks need to know of the print: the resin, the compensation of elephant's foot, and how deep light cures.
-/// @param settings  its layer height is read
+/// @param settings  after correct_sizes(): its layer height is read
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings);
-/// The same with the board's own profile. Without a printer, or if its profile can't be read, nothing is told.
-void tell_checks(const std::optional<BoardFile>& board, SliceSettings& settings);
 
 }  // namespace plumbline::firmware::inline settings

@@ -10,6 +10,7 @@
 
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/settings/check_policy.hpp"
+#include "firmware/slice/size_corrections.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/slicer.hpp"
 #include "slicer/supports/support_finder.hpp"
@@ -31,6 +32,7 @@ struct JobReport {
   std::vector<std::string> scan_names;           ///< of each file; empty for a print resumed from its store
   std::string printer_name;                      ///< empty without a printer
   BaseChoice base = BaseChoice::kAuto;           ///< as asked for
+  SizeCorrections sizes;                         ///< that were asked for
   SliceReport slice;                             ///< peaks of the arena: up to Stage::kRRep
   std::array<double, kStageCount> seconds = {};  ///< by Stage
   double preview_seconds = 0;

@@ -70,6 +70,7 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
     text.add("sized      as it came, before it was turned: %s %.4g mm\n", to_string(s.asked_size->side),
              s.asked_size->mm);
   }
+  if (report.sizes.any()) text.add("corrected  %s\n", report.sizes.text().c_str());
   text.add("resin      %s ml", three_digits(report.volume_mm3() / 1000).c_str());
   if (report.supports.all() > 0) {
     text.add(", %s ml of it in %u support%s", three_digits(report.support_volume_mm3() / 1000).c_str(),

@@ -53,6 +53,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
   job.report_.scan_name = job.scan_.title();
   job.report_.scan_names = job.scan_.names();
   job.report_.base = settings.slice.base;
+  job.report_.sizes = corrections_of(settings.slice);
   job.report_.printer_name = settings.printer_name;
   job.report_.checks = settings.checks;
   job.report_.draws_coverage = settings.preview && !settings.archive;
@@ -158,8 +159,9 @@ Status SliceJob::write_archive_end(const RRep& rrep, const Supports& supports) {
     }
   }
   const ArchiveOutput& archive = *settings_.archive;
-  return archive_->finish({archive.board, archive.profile, rrep.grid, report_.volume_mm3() / 1000,
-                           archive.seconds ? archive.seconds(rrep.grid) : 0});
+  const PrintGrid grid = machine_grid(rrep.grid, settings_.slice.placement.correction);
+  return archive_->finish(
+      {archive.board, archive.profile, grid, report_.volume_mm3() / 1000, archive.seconds ? archive.seconds(grid) : 0});
 }
 
 Status SliceJob::draw_preview_page(const RRep& rrep, const Supports& supports, std::span<std::uint8_t> rgb) {

@@ -24,7 +24,7 @@ namespace plumbline::firmware {
 struct ArchiveOutput {
   BoardFile board;
   PrintProfile profile;
-  std::function<double(const PrintGrid&)> seconds;  ///< that a print takes; 0: not known
+  std::function<double(const PrintGrid&)> seconds;  ///< that a print takes, by its machine_grid(); 0: not known
 };
 
 struct SliceJobSettings {

@@ -189,9 +189,13 @@ void write_proposals(JsonWriter& json, const PrinterRecord& record) {
 void write_sliced(JsonWriter& json, const PrinterRecord& record) {
   if (!record.sliced) return json.null();
   json.begin_object(kOneLine);
-  json.member("layer_height_mm", thousandths(record.sliced->plan.layer_height.millimetres()));
+  // Of the object, as places in it are: the values have the machine's.
+  const Vec3d shrinks = record.sliced->sizes.relative();
+  constexpr double kDigits = 1e6;
+  const double layer_mm = record.sliced->plan.layer_height.millimetres() / shrinks[2];
+  json.member("layer_height_mm", std::round(layer_mm * kDigits) / kDigits);
   json.member("layers", record.sliced->plan.layers);
-  json.member("mask_pixel_mm", record.mask_pixel_mm);
+  json.member("mask_pixel_mm", std::array{record.mask_pixel_mm[0] / shrinks[0], record.mask_pixel_mm[1] / shrinks[1]});
   write_contract(json, *record.sliced);
   json.end_object();
 }

@@ -11,6 +11,7 @@
 
 #include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/settings/print_length.hpp"
+#include "firmware/settings/print_profile.hpp"
 #include "firmware/settings/setting_words.hpp"
 #include "slicer/checks/issue.hpp"
 #include "slicer/reader/scan_sources.hpp"
@@ -247,6 +248,15 @@ std::string option_name(std::string_view key) {
   return name;
 }
 
+void add_correction_option(CLI::App& app, JobOptions& job) {
+  app.add_option("--absolute-correction", job.absolute_correction_mm,
+                 "Move the outlines of all layers by this much, inwards if below 0, since light cures walls too far "
+                 "out: -0.5 to 0.5 mm [the profile's, or 0]")
+      ->type_name("MM")
+      ->check(number_from(-kMostMoved, kMostMoved, "mm"))
+      ->group(kObjectGroup);
+}
+
 void add_check_options(CLI::App& app, CheckChoice& choice) {
   app.add_option_function<std::vector<std::string>>(
          "--check",
@@ -331,6 +341,7 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
 
 CLI::Option* add_slicing_options(CLI::App& app, JobOptions& job, SupportChoice& supports, CheckChoice& checks) {
   CLI::Option* scan = add_job_options(app, job);
+  add_correction_option(app, job);
   add_support_options(app, supports, "[auto]");
   add_check_options(app, checks);
   add_program_options(app, job);

@@ -29,6 +29,9 @@ void add_program_options(CLI::App& app, JobOptions& job);
 /// @param default_kind  what applies without the option, as the help says it: "[none]"
 void add_support_options(CLI::App& app, SupportChoice& choice, const char* default_kind);
 
+/// `--absolute-correction`.
+void add_correction_option(CLI::App& app, JobOptions& job);
+
 /// `--check KIND=ACTION` and `--accept`.
 void add_check_options(CLI::App& app, CheckChoice& choice);
 

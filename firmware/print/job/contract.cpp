@@ -78,7 +78,7 @@ double value_of(const PrintPlan& plan, PrintKey key) {
 
 Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile& machine,
                                  const ContractSubject& subject) {
-  const PrintGrid& grid = subject.grid;
+  const PrintGrid grid = machine_grid(subject.grid, subject.sizes.relative());
   const auto layer_height = static_cast<double>(grid.layer_height_mm);
   const auto plan = plan_print(profile, machine, layer_height, grid.layers);
   PLUMBLINE_TRY(plan);
@@ -89,9 +89,11 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
     contract.sources[index_of(PrintKey::kInitialLayerHeight)] = profile.sources[index_of(PrintKey::kLayerHeight)];
   }
   const auto pitch_x = static_cast<double>(grid.pitch_x_mm), pitch_y = static_cast<double>(grid.pitch_y_mm);
-  contract.width_mm = subject.columns * pitch_x;
-  contract.depth_mm = subject.rows * pitch_y;
-  contract.height_mm = height_of(*plan, plan->layers - 1).above_film().millimetres();
+  const Vec3d shrinks = subject.sizes.relative();
+  contract.width_mm = subject.columns * pitch_x / shrinks[0];
+  contract.depth_mm = subject.rows * pitch_y / shrinks[1];
+  contract.height_mm = height_of(*plan, plan->layers - 1).above_film().millimetres() / shrinks[2];
+  contract.sizes = subject.sizes;
   contract.rotation_deg = subject.rotation_deg;
   contract.best_way_up = subject.best_way_up;
   const double first_more = plan->first_layer_more.millimetres();
@@ -123,6 +125,7 @@ void write_contract(JsonWriter& json, const Contract& contract) {
   json.member("height_mm", thousandths(contract.height_mm));
   json.member("rotation_deg", contract.rotation_deg);
   json.member("best_way_up", contract.best_way_up);
+  write_corrections(json, contract.sizes);
   json.member("points_off_percent", thousandths(100 * contract.proof.share_off()));
   json.member("grey_percent", thousandths(100 * contract.grey));
   json.member("grey_lost_percent", thousandths(100 * contract.grey_lost));
@@ -202,6 +205,7 @@ void for_each_contract_line(const Contract& contract, const std::function<void(s
              100 * contract.grey_lost / contract.grey);
   }
   say(size.view());
+  if (contract.sizes.any()) say("corrected  " + std::string(contract.sizes.text().view()));
   const auto line = [&](const char* title, std::initializer_list<PrintKey> keys) {
     ValueList values(contract);
     for (const PrintKey key : keys) values.add(key);

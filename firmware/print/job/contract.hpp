@@ -12,6 +12,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/print/job/print_plan.hpp"
 #include "firmware/settings/print_fields.hpp"
+#include "firmware/slice/size_corrections.hpp"
 #include "hal/units.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/words/told.hpp"
@@ -41,6 +42,7 @@ struct Contract {
   double width_mm = 0, depth_mm = 0, height_mm = 0;   ///< of what is printed, with what holds it up
   std::array<double, 3> rotation_deg{};               ///< about x, then y, then z: as it was asked for
   bool best_way_up = false;                           ///< the printer has looked for the rotation
+  SizeCorrections sizes;                              ///< of a scan; the plan's lengths are the machine's
   double grey = 0;                                    ///< share of an archive's pixels above black that are not white,
   double grey_lost = 0;                               ///< and of those that become black; the others become white
   PointProof proof;                                   ///< of a scan
@@ -63,6 +65,7 @@ struct ContractSubject {
   PointProof proof{};
   std::array<double, 3> rotation_deg{};
   bool best_way_up = false;
+  SizeCorrections sizes{};  ///< the grid's lengths are the object's
 };
 
 /// @retval the errors of plan_print()

@@ -60,6 +60,35 @@ TEST(PrintProfile, ReadsEveryValue) {
   EXPECT_EQ(p->bottle_cost, 30);
 }
 
+TEST(PrintProfile, CorrectsSizesByPrinterAndResin) {
+  auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value();
+  board.relative_correction = {1.01, 1.02, 0.99};
+  auto profile = parse_print_profile(standard_with("material_correction_z = 1.0", "material_correction_z = 1.05"), "p");
+  ASSERT_TRUE(profile) << profile.error().message();
+  profile->absolute_correction = -0.02;
+  profile->exchange = 0;
+  SliceSettings plain, settings;
+  for (SliceSettings* const each : {&plain, &settings}) each->placement.printer = printer_volume(board);
+  correct_sizes(*profile, board, settings);
+  const double high = 0.99 * 1.05;
+  EXPECT_TRUE(settings.placement.correction.isApprox(Vec3d(1.01, 1.02, high)));
+  EXPECT_EQ(settings.absolute_correction_mm, -0.02);
+  EXPECT_NEAR(static_cast<double>(settings.placement.printer->pitch_y_mm), 0.04725 / 1.02, 1e-8);
+  EXPECT_NEAR(static_cast<double>(settings.placement.layer_height_mm), 0.05 / high, 1e-8);
+  // Light goes as deep as before, which is less of what shrinks from larger masks.
+  tell_checks(*profile, *board.machine, plain);
+  tell_checks(*profile, *board.machine, settings);
+  EXPECT_NEAR(settings.cure.penetration_mm, plain.cure.penetration_mm / high, 1e-12);
+  EXPECT_NEAR(settings.overcure_mm, plain.overcure_mm / high, 1e-8);
+}
+
+TEST(PrintProfile, RefusesCorrectionsThatAreMistakes) {
+  EXPECT_THAT(refusal(standard_with("material_correction_x = 1.0 ", "material_correction_x = 101 ")),
+              HasSubstr("material_correction_x: found an integer 101, allowed is a number from 0.9 to 1.1"));
+  EXPECT_THAT(refusal(standard_with("absolute_correction = 0.0", "absolute_correction = -20.0")),
+              HasSubstr("absolute_correction: found a float -20, allowed is a number from -0.5 to 0.5 mm"));
+}
+
 TEST(PrintProfile, DoesNotNeedTheCostOfABottle) {
   auto text = standard_with("bottle_cost", "# bottle_cost");
   const auto profile = parse_print_profile(text, "p.toml");

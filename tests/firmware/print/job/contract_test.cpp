@@ -70,6 +70,28 @@ TEST(Contract, ShowsTheValuesThatThePlanCarriesOut) {
   }
 }
 
+TEST(Contract, MovesTheStageByWholeLayersAndTellsTheSizeThatIsLeftOfThem) {
+  ContractSubject scan = an_archive();
+  scan.is_archive = false;
+  const Contract plain = make_contract(standard_profile(), sim2k(), scan).value();
+  scan.sizes = {{1.02, 1.01, 1.05}, -0.02};
+  scan.grid.pitch_x_mm /= 1.02F;
+  scan.grid.pitch_y_mm /= 1.01F;
+  scan.grid.layer_height_mm /= 1.05F;
+  const Contract corrected = make_contract(standard_profile(), sim2k(), scan).value();
+  EXPECT_EQ(corrected.plan.layer_height, plain.plan.layer_height);
+  EXPECT_NEAR(corrected.width_mm, plain.width_mm / 1.02, 1e-6);
+  EXPECT_NEAR(corrected.depth_mm, plain.depth_mm / 1.01, 1e-6);
+  EXPECT_NEAR(corrected.height_mm, plain.height_mm / 1.05, 1e-6);
+  EXPECT_NEAR(corrected.resin_ml, plain.resin_ml, 1e-7);
+  std::string said, before;
+  for_each_contract_line(corrected, [&](std::string_view line) { said.append(line) += "\n"; });
+  for_each_contract_line(plain, [&](std::string_view line) { before.append(line) += "\n"; });
+  EXPECT_THAT(said,
+              HasSubstr("\ncorrected  masks 1.02, 1.01, 1.05 times as large in x, y, z; outlines moved by -0.02 mm\n"));
+  EXPECT_THAT(before, Not(HasSubstr("corrected")));
+}
+
 TEST(Contract, IsDoubtfulWhereAnArchiveIsSilentAboutHeightOrExposure) {
   const auto silent = make_contract(standard_profile(), sim2k(), an_archive());
   ASSERT_TRUE(silent);
