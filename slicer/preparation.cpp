@@ -8,6 +8,7 @@
 #include "slicer/cloud/filled_volume.hpp"
 #include "slicer/cloud/outliers.hpp"
 #include "slicer/cloud/proof_sample.hpp"
+#include "slicer/core/resin/outline_move.hpp"
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/core/words/plural.hpp"
 #include "slicer/mesh_slicing.hpp"
@@ -157,16 +158,6 @@ double average(PreparedScan& scan, ProgressSink* progress) {
   if (scan.turned != Mat3d::Identity()) rotate(scan, scan.turned.transpose());  // by normals that meant nothing
   scan.turned = Mat3d::Identity();
   return static_cast<double>(before) / scan.cloud.size;
-}
-
-/// See move_to_print().
-void move_outlines(const Cloud& cloud, float by_mm) {
-  constexpr float kLevel = 0.1F;  // length of n_xy below which a point moves less
-  for (std::uint32_t i = 0; i < cloud.size; ++i) {
-    const Vec3f n = cloud.normal[i].unpack();
-    const float share = by_mm / std::max(kLevel, std::sqrt(n[0] * n[0] + n[1] * n[1]));
-    cloud.position[i] += Vec3f(share * n[0], share * n[1], 0);
-  }
 }
 
 /// Turns the scan until the floor that was cut off is level.
@@ -449,7 +440,11 @@ PlacedScan move_to_print(const Placement& placement, const PreparedScan& scan, d
   const auto move = [&](Vec3f& p) { p = (p.cast<double>() * scale + shift).cast<float>(); };
   std::ranges::for_each(scan.cloud.position.first(scan.cloud.size), move);
   std::ranges::for_each(scan.sample, move);
-  if (std::abs(outline_mm) > 0) move_outlines(placed.cloud, static_cast<float>(outline_mm));
+  if (const auto by = static_cast<float>(outline_mm); std::abs(by) > 0) {
+    for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
+      scan.cloud.position[i] += outline_move(scan.cloud.normal[i].unpack(), by);
+    }
+  }
   for (float& r : scan.cloud.radius.first(scan.cloud.size)) r *= static_cast<float>(scale);
   return placed;
 }

@@ -99,11 +99,7 @@ struct PlacedScan {
 };
 /// Moves the points of a scan from scan units to print coordinates.
 /// @param placement   of the rotated scan
-/// @param outline_mm  by which the surface is moved sideways along its horizontal normal, outwards if above 0:
-///
-///     p + outline_mm n_xy / max(|n_xy|, 0.1)
-///
-/// So the outline of each layer moves by it. Of a nearly level surface, which it would not change, it moves points less.
+/// @param outline_mm  by which outlines are moved: see outline_move()
 PlacedScan move_to_print(const Placement& placement, const PreparedScan& scan, double outline_mm = 0);
 
 }  // namespace plumbline::inline slicer

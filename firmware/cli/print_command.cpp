@@ -26,6 +26,7 @@
 #include "firmware/settings/print_values.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
+#include "slicer/core/resin/outline_move.hpp"
 
 namespace plumbline::firmware {
 namespace {
@@ -356,9 +357,13 @@ std::optional<MeasuredSurface> measure(const std::optional<TruthMesh>& truth, co
       truth ? truth->surface(placement) : surface_samples(printable.parts.rrep, bleed ? bleed->model : CureModel()),
       {}};
   leave_out_supports(printable.parts.supports, placement.grid, surface.points);
+  const SizeCorrections& sizes = printable.facts.contract.sizes;
+  if (!truth) {  // what was sliced has its outlines moved, to from where they are true
+    for (OrientedPoint& p : surface.points) p.at -= outline_move(p.normal, static_cast<float>(sizes.absolute_mm));
+  }
   // No resin of a simulated printer shrinks: its part is as large as the masks.
-  const Vec3f masks = printable.facts.contract.sizes.relative().cast<float>();
   std::vector<OrientedPoint> before_shrinking = surface.points;
+  const Vec3f masks = sizes.relative().cast<float>();
   for (OrientedPoint& point : before_shrinking) point.at = point.at.cwiseProduct(masks);
   surface.deviations_mm = witness.deviations_mm(before_shrinking);
   return surface;

@@ -111,6 +111,14 @@ class Placement(Program):
         self.run_it(*same, "--printer", self.corrected_printer(absolute_correction=-0.1), "--absolute-correction", 0)
         self.assertEqual(json.loads(report.read_text())["part"]["deviation_um"]["wall_mean"], walls[0])
 
+    def test_what_was_sliced_is_true_before_its_outlines_are_moved(self):
+        report, walls = self.dir / "r.json", []
+        for by in (0, -0.1):
+            self.run_it("print", self.write_block(), "--printer", SIM2K, "--supports", "none", "--accept", "--quiet", "--report", report,
+                        "--keep-part", self.dir / "part", "--absolute-correction", by)  # fmt: skip
+            walls.append(json.loads(report.read_text())["part"]["deviation_um"]["wall_mean"])
+        self.assertAlmostEqual(walls[1] - walls[0], -100, delta=30)
+
     def test_the_printer_makes_the_same_masks_as_the_desktop(self):
         state, stick, report = self.dir / "state", self.dir / "stick", self.dir / "r.json"
         stick.mkdir()
