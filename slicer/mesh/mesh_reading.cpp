@@ -195,8 +195,8 @@ class ShiftSink final : public StagedSink {
       if (!sides_.apply(number_++, t) || body_.is_negative()) continue;
       if (shift_.add(on_lattice(lattice_, t), {transform_(t[0]), transform_(t[1]), transform_(t[2])})) continue;
       return fail(ErrorCode::kBadSetting,
-                  "absolute_correction moves the corners of a mesh with all triangles that meet there, but hardly any "
-                  "of this mesh share corners.\tMerge its vertices in a mesh editor, or set absolute_correction to 0");
+                  "the outlines of the mesh can't be moved: a corner moves with all triangles that meet there, and "
+                  "hardly any share one.\tMerge its vertices in a mesh editor, or leave out the absolute correction");
     }
     return {};
   }

@@ -64,8 +64,9 @@ Status admit_mesh(const MeshNeed& need, std::uint32_t threads, const Arena& aren
            {{Fact::kNeededMib, mib(sure.peak())}, {Fact::kAvailableMib, mib(arena.capacity())}}),
       fail(ErrorCode::kOutOfMemory,
            "the mesh does not fit into the arena of %.1f MiB: stage '%.*s' needs about %.1f MiB for %.0f crossings.\t"
-           "Use a larger arena, a coarser grid or a smaller scale",
-           mib(arena.capacity()), static_cast<int>(stage.size()), stage.data(), mib(sure.peak()), need.hits));
+           "Use a larger arena, a coarser grid or a smaller scale%s",
+           mib(arena.capacity()), static_cast<int>(stage.size()), stage.data(), mib(sure.peak()), need.hits,
+           need.shift_bytes > 0 ? ", or leave out the absolute correction" : ""));
 }
 
 }  // namespace plumbline::inline slicer
