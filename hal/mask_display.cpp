@@ -1,7 +1,5 @@
 #include "hal/mask_display.hpp"
 
-#include <cassert>
-
 namespace plumbline::inline hal {
 
 MaskBuffer& MaskBuffer::operator=(MaskBuffer&& other) noexcept {
@@ -9,6 +7,7 @@ MaskBuffer& MaskBuffer::operator=(MaskBuffer&& other) noexcept {
     release();
     display_ = std::exchange(other.display_, nullptr);
     image_ = std::exchange(other.image_, BitImage());
+    greys_ = std::exchange(other.greys_, nullptr);
   }
   return *this;
 }
@@ -19,6 +18,7 @@ void MaskBuffer::release() {
   display_->lent_ = false;
   display_ = nullptr;
   image_ = BitImage();
+  greys_ = nullptr;
 }
 
 Expected<MaskBuffer> MaskDisplay::lend() {
@@ -26,11 +26,12 @@ Expected<MaskBuffer> MaskDisplay::lend() {
   if (lent_) {
     return fail(ErrorCode::kBusy, "the mask's buffer is already lent: present or release it before asking again");
   }
-  auto image = do_lend();
-  if (!image) return tl::unexpected<Error>(image.error());
-  assert(image->columns() == columns_ && image->rows() == rows_);
+  const auto lent = do_lend();
+  PLUMBLINE_TRY(lent);
+  assert(lent->image.columns() == columns_ && lent->image.rows() == rows_);
+  lent->greys->clear();
   lent_ = true;
-  return MaskBuffer(*this, *image);
+  return MaskBuffer(*this, lent->image, *lent->greys);
 }
 
 Status MaskDisplay::present(MaskBuffer&& buffer) {
@@ -44,6 +45,7 @@ Status MaskDisplay::present(MaskBuffer&& buffer) {
   lent_ = false;
   buffer.display_ = nullptr;
   buffer.image_ = BitImage();
+  buffer.greys_ = nullptr;
   presented_ = shown.has_value();
   return shown;
 }

@@ -1,12 +1,14 @@
 #pragma once
 /// The LCD panel that lets light through where resin is to cure.
 
+#include <cassert>
 #include <cstdint>
 #include <utility>
 
 #include "hal/interlock.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/grey_runs.hpp"
 
 namespace plumbline::inline hal {
 
@@ -17,7 +19,9 @@ class MaskDisplay;
 class MaskBuffer {
  public:
   MaskBuffer(MaskBuffer&& other) noexcept
-      : display_(std::exchange(other.display_, nullptr)), image_(std::exchange(other.image_, BitImage())) {}
+      : display_(std::exchange(other.display_, nullptr)),
+        image_(std::exchange(other.image_, BitImage())),
+        greys_(std::exchange(other.greys_, nullptr)) {}
   MaskBuffer& operator=(MaskBuffer&& other) noexcept;
   MaskBuffer(const MaskBuffer&) = delete;
   MaskBuffer& operator=(const MaskBuffer&) = delete;
@@ -26,14 +30,22 @@ class MaskBuffer {
   /// One bit a pixel in PrintGrid coordinates; 1 lets light through. It holds an older mask, so write every word. Empty (no
   /// columns) once the buffer was presented or moved from.
   BitImage image() const { return image_; }
+  /// Pixels that let some of the light through, whatever their bits say. Empty when the buffer is lent; without room if the panel shows
+  /// black and white only. To be finished when it is presented. @pre the buffer is lent
+  GreyRuns& greys() const {
+    assert(greys_ != nullptr);
+    return *greys_;
+  }
 
  private:
   friend class MaskDisplay;
-  MaskBuffer(MaskDisplay& display, BitImage image) : display_(&display), image_(image) {}
+  MaskBuffer(MaskDisplay& display, BitImage image, GreyRuns& greys)
+      : display_(&display), image_(image), greys_(&greys) {}
   void release();
 
   MaskDisplay* display_ = nullptr;
   BitImage image_;
+  GreyRuns* greys_ = nullptr;
 };
 
 /// The panel, with two buffers: one shown, one to write. The back end packs, mirrors and rotates pixels as the board file says.
@@ -73,11 +85,16 @@ class MaskDisplay {
     interlock.add(*this);
   }
 
+  struct Lent {
+    BitImage image;   ///< columns() x rows() pixels
+    GreyRuns* greys;  ///< not null
+  };
+
  private:
   friend class MaskBuffer;
 
-  /// @returns columns() x rows() pixels, valid until do_present() or do_release()
-  virtual Expected<BitImage> do_lend() = 0;
+  /// @returns what is valid until do_present() or do_release()
+  virtual Expected<Lent> do_lend() = 0;
   virtual void do_release() = 0;
   /// Puts the lent buffer on the panel. The other one can be lent afterwards.
   virtual Status do_present() = 0;

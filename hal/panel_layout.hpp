@@ -1,11 +1,34 @@
 #pragma once
 /// How a panel expects the pixels of a mask.
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "slicer/core/error.hpp"
 
 namespace plumbline::inline hal {
+
+/// How much light a panel lets through for the values that it is sent.
+struct GreyScale {
+  std::uint32_t levels = 2;  ///< that it tells apart, 2 to 256, evenly spaced from 0 to 255. 2: black and white
+  double gamma = 1;          ///< measured: light = (value / 255)^gamma
+
+  bool has_grey() const { return levels > 2; }
+  /// @param value  0 to 255
+  /// @returns the share of the light, 0 to 1
+  double light(std::uint32_t value) const { return std::pow(value / 255.0, gamma); }
+  /// For each share of the dose, 0 to 255 of 255: that of the panel's values whose light is nearest.
+  std::array<std::uint8_t, 256> values() const {
+    const auto value = [&](std::uint32_t k) { return (510 * k + levels - 1) / (2 * (levels - 1)); };
+    std::array<std::uint8_t, 256> nearest{};
+    for (std::uint32_t share = 0, k = 0; share < nearest.size(); ++share) {
+      while (k + 1 < levels && light(value(k)) + light(value(k + 1)) < 2 * share / 255.0) ++k;
+      nearest[share] = static_cast<std::uint8_t>(value(k));
+    }
+    return nearest;
+  }
+};
 
 /// From mask to panel: the mask is rotated, then mirrored, then packed.
 struct PanelLayout {
@@ -21,6 +44,7 @@ struct PanelLayout {
   Mirror mirror = Mirror::kNone;
   /// Three neighbours of a row are red, green and blue of one pixel, as on a monochrome panel made from a colour one.
   bool rgb = false;
+  GreyScale grey = {};
 
   /// Size of the video mode that the panel needs, pixels.
   std::uint32_t mode_width() const { return picture_width() / (rgb ? 3 : 1); }

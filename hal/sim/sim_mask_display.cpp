@@ -16,14 +16,14 @@ SimMaskDisplay::SimMaskDisplay(Plant& plant, Interlock& interlock)
   if (plant.settings().built_otherwise) lent_.resize(BitImage::words_needed(columns(), rows()));
 }
 
-Expected<BitImage> SimMaskDisplay::do_lend() {
+Expected<MaskDisplay::Lent> SimMaskDisplay::do_lend() {
   const SimCall call(plant_);
   // The virtual cost of drawing the mask, whatever the host needs.
   if (plant_.mask_cost() > nanoseconds::zero()) {
     PLUMBLINE_TRY(plant_.wait_until(plant_.now() + plant_.mask_cost(), [] { return false; }));
   }
-  if (!lent_.empty()) return BitImage(lent_, columns(), rows());
-  return plant_.panel().back();
+  if (!lent_.empty()) return Lent{BitImage(lent_, columns(), rows()), &no_greys_};
+  return Lent{plant_.panel().back(), &plant_.panel().back_greys()};
 }
 
 Status SimMaskDisplay::do_present() {
@@ -51,6 +51,7 @@ Status SimMaskDisplay::send_otherwise(const BuiltOtherwise& otherwise) {
   }
   const BitImage shown = plant_.panel().back();
   shown.clear();
+  plant_.panel().back_greys().clear();
   for (std::uint32_t row = 0; row < shown.rows(); ++row) {
     for (std::uint32_t column = 0; column < shown.columns(); ++column) {
       const auto from = panel.sent({column, row});

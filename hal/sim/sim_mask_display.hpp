@@ -13,7 +13,7 @@ class SimMaskDisplay final : public MaskDisplay {
   SimMaskDisplay(Plant& plant, Interlock& interlock);
 
  private:
-  Expected<BitImage> do_lend() override;
+  Expected<Lent> do_lend() override;
   void do_release() override {}
   Status do_present() override;
   Status do_blank() override { return show(true); }
@@ -22,7 +22,8 @@ class SimMaskDisplay final : public MaskDisplay {
   Status send_otherwise(const BuiltOtherwise& otherwise);
 
   Plant& plant_;
-  std::vector<std::uint64_t> lent_;  ///< only for a panel that is built otherwise
+  std::vector<std::uint64_t> lent_;  ///< only for a panel that is built otherwise, which shows no grey
+  GreyRuns no_greys_;
 };
 
 }  // namespace plumbline::inline hal::inline sim

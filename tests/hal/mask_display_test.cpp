@@ -33,6 +33,20 @@ TEST_P(MaskContract, MaskOnThePanelCannotBeWritten) {
   EXPECT_NE(second->image().words().data(), words);
 }
 
+TEST_P(MaskContract, MaskHasNoGreysWhenItIsLent) {
+  MaskDisplay& display = rig_->machine().mask;
+  for (int mask = 0; mask < 3; ++mask) {
+    auto lent = display.lend();
+    ASSERT_TRUE(lent);
+    EXPECT_TRUE(lent->greys().empty());
+    lent->image().clear();
+    if (lent->greys().capacity() > 0) lent->greys().add(7, 100);
+    MaskBuffer moved = std::move(*lent);
+    if (mask == 0) continue;  // released
+    ASSERT_TRUE(display.present(std::move(moved)));
+  }
+}
+
 TEST_P(MaskContract, MaskIsPresentedUntilThePanelIsBlanked) {
   MaskDisplay& display = rig_->machine().mask;
   EXPECT_FALSE(display.presented());

@@ -41,6 +41,7 @@ class SimRig final : public Rig {
     PlantSettings settings;
     settings.panel.columns = 100;
     settings.panel.rows = 60;
+    settings.panel.grey.levels = 256;
     return settings;
   }
   Plant plant_{settings()};

@@ -17,6 +17,7 @@ struct SmallPrint {
   Speed speed = Speed(4);
   std::function<void(std::uint32_t, BitImage)> draw =
       nullptr;  ///< draws a layer's mask; without it the whole panel is white
+  std::function<void(std::uint32_t, GreyRuns&)> add_greys = nullptr;
 };
 
 /// Homes, then prints. An opened cover ends the print.
@@ -34,6 +35,7 @@ inline Status print_layers(const Machine& machine, const SmallPrint& print) {
         mask->image().row(row).back() = mask->image().last_word_mask();
       }
     }
+    if (print.add_greys) print.add_greys(k, mask->greys());
     const ZPosition height(print.layer_height * (k + 1));
     PLUMBLINE_TRY(machine.stage.move_to(height, print.speed));
     PLUMBLINE_TRY(machine.mask.present(std::move(*mask)));

@@ -11,11 +11,19 @@ LinuxMaskDisplay::LinuxMaskDisplay(const PanelLayout& layout, KmsPanel panel, st
     : MaskDisplay(layout.columns, layout.rows, interlock),
       layout_(layout),
       panel_(std::move(panel)),
-      settling_(settling) {
+      settling_(settling),
+      values_(layout.grey.values()) {
   for (auto& words : words_) words.resize(BitImage::words_needed(layout.columns, layout.rows));
+  if (!layout.grey.has_grey()) return;
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    runs_[i].resize(GreyRuns::runs_needed(layout.columns, layout.rows));
+    greys_[i] = GreyRuns(runs_[i], layout.columns);
+  }
 }
 
-Expected<BitImage> LinuxMaskDisplay::do_lend() { return BitImage(words_[lent_], layout_.columns, layout_.rows); }
+Expected<MaskDisplay::Lent> LinuxMaskDisplay::do_lend() {
+  return Lent{BitImage(words_[lent_], layout_.columns, layout_.rows), &greys_[lent_]};
+}
 
 Status LinuxMaskDisplay::flip_and_settle() {
   PLUMBLINE_TRY(panel_.flip());
@@ -27,6 +35,7 @@ Status LinuxMaskDisplay::do_present() {
   const auto back = panel_.back();
   if (!back) return tl::unexpected<Error>(back.error());
   pack_pixels(layout_, ConstBitImage(words_[lent_], layout_.columns, layout_.rows), *back, panel_.pitch());
+  pack_greys(layout_, greys_[lent_].runs(), values_, *back, panel_.pitch());
   lent_ = 1 - lent_;
   return flip_and_settle();
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// The panel of a board. A mask is drawn as bits and packed into display memory when it is presented.
 
+#include <array>
 #include <vector>
 
 #include "hal/linux/display/kms_panel.hpp"
@@ -16,7 +17,7 @@ class LinuxMaskDisplay final : public MaskDisplay {
   LinuxMaskDisplay(const PanelLayout& layout, KmsPanel panel, std::chrono::nanoseconds settling, Interlock& interlock);
 
  private:
-  Expected<BitImage> do_lend() override;
+  Expected<Lent> do_lend() override;
   void do_release() override {}
   Status do_present() override;
   Status do_blank() override;
@@ -25,7 +26,11 @@ class LinuxMaskDisplay final : public MaskDisplay {
   PanelLayout layout_;
   KmsPanel panel_;
   std::chrono::nanoseconds settling_;
-  std::array<std::vector<std::uint64_t>, 2> words_;  // the mask presented last, and the one to lend
+  // The mask presented last, and the one to lend.
+  std::array<std::vector<std::uint64_t>, 2> words_;
+  std::array<std::vector<GreyRun>, 2> runs_;
+  std::array<GreyRuns, 2> greys_;
+  std::array<std::uint8_t, 256> values_;  ///< for each level
   std::size_t lent_ = 0;
 };
 

@@ -1,12 +1,14 @@
 #pragma once
 /// Converts a mask to the pixels that go over the panel's cable.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "hal/panel_layout.hpp"
 #include "slicer/core/bit_image.hpp"
+#include "slicer/core/grey_runs.hpp"
 
 namespace plumbline::inline hal::inline linux_board {
 
@@ -17,5 +19,11 @@ namespace plumbline::inline hal::inline linux_board {
 /// @param pixels  layout.mode_height() rows of `pitch` words
 /// @param pitch   words a row, layout.mode_width() or more; the rest of a row becomes black
 void pack_pixels(const PanelLayout& layout, ConstBitImage mask, std::span<std::uint32_t> pixels, std::size_t pitch);
+
+/// Writes grey pixels over those of pack_pixels(). Reads none, as above.
+/// @param runs    ascending, of the mask
+/// @param values  GreyScale::values()
+void pack_greys(const PanelLayout& layout, std::span<const GreyRun> runs, const std::array<std::uint8_t, 256>& values,
+                std::span<std::uint32_t> pixels, std::size_t pitch);
 
 }  // namespace plumbline::inline hal::inline linux_board

@@ -58,9 +58,9 @@ std::vector<float> deviations_mm(const CuredPart& part, const DoseModel& model, 
     }
     if (next < by_height.size()) field.drop_below(height(by_height[next]) - kFarthestDeviation);
   };
-  part.for_each_layer([&](const CuredLayer& layer, ConstBitImage mask) {
+  part.for_each_lit_layer([&](const CuredLayer& layer, ConstBitImage mask, std::span<const GreyRun> greys) {
     measure_below(layer.z.above_film().millimetres());
-    if (next < by_height.size()) field.add(layer, mask);
+    if (next < by_height.size()) field.add(layer, mask, greys);
   });
   measure_below(std::numeric_limits<double>::infinity());
   return deviations;

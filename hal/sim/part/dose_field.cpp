@@ -39,11 +39,14 @@ DoseField::DoseField(const DoseModel& model) : model_(model) {
 }
 
 DoseField::DoseField(const DoseModel& model, const CuredPart& part) : DoseField(model) {
-  part.for_each_layer([&](const CuredLayer& layer, ConstBitImage mask) { add(layer, mask); });
+  part.for_each_lit_layer(
+      [&](const CuredLayer& layer, ConstBitImage mask, std::span<const GreyRun> greys) { add(layer, mask, greys); });
 }
 
-void DoseField::add(const CuredLayer& cured, ConstBitImage mask) {
-  Layer layer{.z_mm = cured.z.above_film().millimetres(), .dose = cured.dose.value(), .words = {}};
+void DoseField::add(const CuredLayer& cured, ConstBitImage mask, std::span<const GreyRun> greys) {
+  Layer layer{.z_mm = cured.z.above_film().millimetres(), .dose = cured.dose.value(), .words = {}, .greys = {}};
+  layer.columns = mask.columns();
+  layer.greys.assign(greys.begin(), greys.end());
   std::int64_t end_row = 0, end_word = 0;
   for (std::uint32_t row = 0; row < mask.rows(); ++row) {
     const auto words = mask.row(row);
@@ -95,7 +98,28 @@ DoseField::Weights DoseField::weights(double pixels) const {
   return weights;
 }
 
-/// The light of the mask at a place: the one function that reads a pixel's share, which is 0 or 1 today.
+/// What grey pixels of a row let through more or less than their bits say.
+/// @param bits  of the row, the lowest that of the first weight
+double DoseField::grey_share(const Layer& layer, std::int64_t row, const Weights& across, std::uint64_t bits) {
+  const std::int64_t begin = std::max<std::int64_t>(across.first, 0);
+  const std::int64_t end = std::min(across.first + across.count, layer.columns);
+  if (row < 0 || begin >= end) return 0;
+  const std::int64_t first = row * layer.columns;
+  auto run = std::partition_point(layer.greys.begin(), layer.greys.end(),
+                                  [&](const GreyRun& one) { return one.end() <= first + begin; });
+  double more = 0;
+  for (; run != layer.greys.end() && run->pixel < first + end; ++run) {
+    const double share = run->level / double{kFullLevel};
+    const std::int64_t last = std::min<std::int64_t>(run->end() - first, end);
+    for (std::int64_t column = std::max<std::int64_t>(run->pixel - first, begin); column < last; ++column) {
+      const auto i = static_cast<unsigned>(column - across.first);
+      more += across.of[i] * (share - static_cast<double>(bits >> i & 1U));
+    }
+  }
+  return more;
+}
+
+/// The light of the mask at a place: the one function that reads a pixel's share.
 double DoseField::share(const Layer& layer, const Weights& across, const Weights& along) const {
   const std::int64_t w = across.first >> 6;
   const auto shift = static_cast<unsigned>(across.first & 63);
@@ -108,8 +132,11 @@ double DoseField::share(const Layer& layer, const Weights& across, const Weights
     bits &= white;
     double lit = bits == white ? 1 : 0;
     if (lit == 0) {
-      for (; bits != 0; bits &= bits - 1) lit += across.of[static_cast<unsigned>(std::countr_zero(bits))];
+      for (std::uint64_t rest = bits; rest != 0; rest &= rest - 1) {
+        lit += across.of[static_cast<unsigned>(std::countr_zero(rest))];
+      }
     }
+    if (!layer.greys.empty()) lit += grey_share(layer, row, across, bits);
     sum += along.of[r] * lit;
   }
   return sum;

@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <span>
 #include <vector>
 
 #include "hal/sim/plant/cured_part.hpp"
 #include "hal/sim/plant/resin.hpp"
 #include "slicer/core/bit_image.hpp"
+#include "slicer/core/grey_runs.hpp"
 
 namespace plumbline::inline hal::inline sim {
 
@@ -27,8 +29,8 @@ struct DoseModel {
 ///
 /// T1 is the largest of the terms, Ej the dose of layer j, zj the height of its film, e Resin::exchange. Below its film light fades as
 /// Beer and Lambert say, and resin is solid where D >= Ec (P. F. Jacobs, Rapid Prototyping & Manufacturing, 1992, ch. 4). Doses of layers
-/// add up as long as the resin stays where it is (e = 0). Gj is the share of the mask's light: its pixels, squares of even light, blurred by
-/// a Gaussian of sigma s pixels. The weight of a pixel whose middle is u pixels away is the product over both axes of
+/// add up as long as the resin stays where it is (e = 0). Gj is the share of the mask's light: its pixels, squares of even light of level / 255,
+/// blurred by a Gaussian of sigma s pixels. The weight of a pixel whose middle is u pixels away is the product over both axes of
 ///
 ///     w(u) = (erf((u + 1/2) / (s sqrt 2)) - erf((u - 1/2) / (s sqrt 2))) / 2
 ///
@@ -42,7 +44,8 @@ class DoseField {
   static constexpr double kMostBlur = 2;
 
   /// Adds the light at one height.
-  void add(const CuredLayer& layer, ConstBitImage mask);
+  /// @param greys  ascending: pixels that get their level of the dose, whatever their bits say
+  void add(const CuredLayer& layer, ConstBitImage mask, std::span<const GreyRun> greys = {});
   /// Gives back the layers whose film is below `z_mm`: from now on at() is right from there upwards.
   void drop_below(double z_mm);
 
@@ -60,6 +63,8 @@ class DoseField {
     double fade = 1;  ///< of its light at the film of the layer before
     std::int64_t first_row = 0, rows = 0, first_word = 0, stride = 0;
     std::vector<std::uint64_t> words;
+    std::int64_t columns = 0;  ///< of the mask
+    std::vector<GreyRun> greys;
 
     std::uint64_t word(std::int64_t row, std::int64_t w) const {
       const std::int64_t r = row - first_row, i = w - first_word;
@@ -76,6 +81,7 @@ class DoseField {
 
   Weights weights(double pixels) const;
   double share(const Layer& layer, const Weights& across, const Weights& along) const;
+  static double grey_share(const Layer& layer, std::int64_t row, const Weights& across, std::uint64_t bits);
   double combined(double largest, double sum) const { return largest + (1 - model_.resin.exchange) * (sum - largest); }
 
   DoseModel model_;

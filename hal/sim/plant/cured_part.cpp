@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "slicer/core/bit_spans.hpp"
+
 namespace plumbline::inline hal::inline sim {
 namespace {
 
@@ -43,15 +45,18 @@ std::uint32_t CuredPart::layer_at(ZPosition z) const {
 }
 
 void CuredPart::expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoint ended, Dose asked, Dose dose,
-                       const Resin& resin) {
+                       const Resin& resin, std::span<const GreyRun> greys) {
   assert(mask.columns() == columns_ && mask.rows() == rows_);
   if (layer_at(z) == layers_.size()) {
     if (!layers_.empty() && keep_) pack_open_layer();
     std::fill(open_.begin(), open_.end(), 0);
+    open_greys_.assign(greys.begin(), greys.end());
     layers_.push_back({.z = z, .began = began, .ended = ended, .exposures = 0, .asked = asked, .dose = Dose(0)});
     if (begins_a_part()) hanging_.clean_film();
     shaded_ = !hanging_.film_is_clean();
     if (shaded_) std::fill(asked_.begin(), asked_.end(), 0);
+  } else if (!std::ranges::equal(open_greys_, greys)) {
+    open_greys_.clear();
   }
   CuredLayer& layer = layers_.back();
   layer.ended = ended;
@@ -67,8 +72,28 @@ void CuredPart::expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoi
     } else {
       open_[i] |= mask.words()[i];
     }
-    if (open_[i] == 0) continue;
-    layer.pixels += count_ones(open_[i]);
+  }
+  judge_greys(resin);
+  for (const std::uint64_t word : open_) {
+    if (word != 0) layer.pixels += count_ones(word);
+  }
+}
+
+void CuredPart::judge_greys(const Resin& resin) {
+  const BitImage open = image(open_), asked = image(asked_);
+  for (const GreyRun& run : open_greys_) {
+    const bool cured = layers_.back().dose * (run.level / double{kFullLevel}) > resin.critical;
+    const std::uint32_t row = run.pixel / columns_, begin = run.pixel % columns_, end = begin + run.count;
+    if (!shaded_) {
+      fill(open, row, begin, end, cured);
+      continue;
+    }
+    fill(asked, row, begin, end, cured);
+    const auto line = open.row(row);
+    const auto film = hanging_.film().row(row);
+    for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) {
+      line[w] = cured ? line[w] | (bits & ~film[w]) : line[w] & ~bits;
+    });
   }
 }
 
@@ -94,6 +119,19 @@ void CuredPart::pack_open_layer() {
   }
   put_number(packed_, open_.size() - next);
   std::copy(open_.begin(), open_.end(), before_.begin());
+  pack_open_greys();
+}
+
+// The number of runs, and for each of them the pixels since the end of the one before, its own pixels and its level.
+void CuredPart::pack_open_greys() {
+  put_number(packed_greys_, open_greys_.size());
+  std::uint32_t next = 0;
+  for (const GreyRun& run : open_greys_) {
+    put_number(packed_greys_, run.pixel - next);
+    put_number(packed_greys_, run.count);
+    packed_greys_.push_back(run.level);
+    next = run.end();
+  }
 }
 
 bool CuredPart::begins_a_part() const { return layers_.size() == 1 || layers_.back().z <= layers_.front().z; }
@@ -111,17 +149,23 @@ void CuredPart::complete_layer(std::uint32_t number, double height_mm, bool on_p
 }
 
 void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit) const {
+  for_each_lit_layer([&](const CuredLayer& layer, ConstBitImage mask, auto) { visit(layer, mask); });
+}
+
+void CuredPart::for_each_lit_layer(const LitVisit& visit) const {
   assert(keep_);
   if (layers_.empty()) return;
   std::vector<std::uint64_t> words(open_.size(), 0);
   std::vector<std::uint64_t> stayed(open_.size());
+  std::vector<GreyRun> greys;
   const auto show = [&](std::size_t k) {
-    if (!hanging_.any_torn()) return visit(layers_[k], image(words));
+    if (!hanging_.any_torn()) return visit(layers_[k], image(words), greys);
     stayed = words;
     hanging_.remove_lost(k, image(stayed));
-    visit(layers_[k], image(stayed));
+    visit(layers_[k], image(stayed), stayed == words ? std::span<const GreyRun>(greys) : std::span<const GreyRun>());
   };
   const std::uint8_t* at = packed_.data();
+  const std::uint8_t* grey_at = packed_greys_.data();
   for (std::size_t k = 0; k + 1 < layers_.size(); ++k) {
     for (std::size_t i = take_number(at); i < words.size(); i += 1 + take_number(at)) {
       const unsigned which = *at++;
@@ -129,9 +173,18 @@ void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, Const
         if ((which >> b & 1U) != 0) words[i] ^= static_cast<std::uint64_t>(*at++) << (8 * b);
       }
     }
+    greys.resize(take_number(grey_at));
+    std::uint32_t next = 0;
+    for (GreyRun& run : greys) {
+      run.pixel = next + static_cast<std::uint32_t>(take_number(grey_at));
+      run.count = static_cast<std::uint16_t>(take_number(grey_at));
+      run.level = *grey_at++;
+      next = run.end();
+    }
     show(k);
   }
   words = open_;
+  greys = open_greys_;
   if (layers_.back().depth_mm <= 0) image(words).clear();
   show(layers_.size() - 1);
 }

@@ -11,6 +11,7 @@
 #include "hal/sim/plant/resin.hpp"
 #include "hal/units.hpp"
 #include "slicer/core/bit_image.hpp"
+#include "slicer/core/grey_runs.hpp"
 
 namespace plumbline::inline hal::inline sim {
 
@@ -36,8 +37,10 @@ class CuredPart {
 
   /// Adds light of `dose` through `mask`, except where something lies on the film. At the last layer's height (within 1 um) it
   /// belongs to that layer, elsewhere it starts a new one.
+  /// @param greys  ascending: pixels that get their level of the dose. They cure where that is above the critical dose, whatever their bits
+  ///               say. If exposures of one layer have different ones, the bits count
   void expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoint ended, Dose asked, Dose dose,
-              const Resin& resin);
+              const Resin& resin, std::span<const GreyRun> greys = {});
 
   /// Judges the last layer, which has all its light: what drops, what the peel tears off.
   /// @param number     of the layer, for losses
@@ -55,13 +58,18 @@ class CuredPart {
   std::span<const CuredLayer> layers() const { return layers_; }
   std::uint32_t columns() const { return columns_; }
   std::uint32_t rows() const { return rows_; }
-  std::size_t packed_bytes() const { return packed_.size(); }
+  std::size_t packed_bytes() const { return packed_.size() + packed_greys_.size(); }
 
   /// Visits all layers from the plate on, with the cured pixels that stayed. The image is valid until `visit` returns. @pre keep
   void for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit) const;
+  /// The same with the pixels that got a part of the dose; none in a layer that lost pixels.
+  using LitVisit = std::function<void(const CuredLayer&, ConstBitImage, std::span<const GreyRun>)>;
+  void for_each_lit_layer(const LitVisit& visit) const;
 
  private:
+  void judge_greys(const Resin& resin);
   void pack_open_layer();
+  void pack_open_greys();
   BitImage image(std::vector<std::uint64_t>& words) const { return {words, columns_, rows_}; }
 
   std::uint32_t columns_;
@@ -69,11 +77,13 @@ class CuredPart {
   bool keep_;
   HangingPart hanging_;
   std::vector<CuredLayer> layers_;
-  std::vector<std::uint64_t> open_;    ///< lit pixels of the last layer, which is not packed yet
-  std::vector<std::uint64_t> asked_;   ///< with those in the shadow of what lies on the film; valid if `shaded_`
-  bool shaded_ = false;                ///< something lay on the film when the last layer began
-  std::vector<std::uint64_t> before_;  ///< mask of the layer before
-  std::vector<std::uint8_t> packed_;   ///< see pack_open_layer()
+  std::vector<std::uint64_t> open_;         ///< lit pixels of the last layer, which is not packed yet
+  std::vector<std::uint64_t> asked_;        ///< with those in the shadow of what lies on the film; valid if `shaded_`
+  bool shaded_ = false;                     ///< something lay on the film when the last layer began
+  std::vector<std::uint64_t> before_;       ///< mask of the layer before
+  std::vector<std::uint8_t> packed_;        ///< see pack_open_layer()
+  std::vector<GreyRun> open_greys_;         ///< of the last layer
+  std::vector<std::uint8_t> packed_greys_;  ///< see pack_open_greys()
 };
 
 }  // namespace plumbline::inline hal::inline sim

@@ -1,11 +1,21 @@
 #include "hal/sim/plant/panel_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace plumbline::inline hal::inline sim {
 
 PanelModel::PanelModel(Timeline& timeline, const Build& build) : timeline_(timeline), build_(build) {
   for (auto& buffer : buffers_) buffer.resize(BitImage::words_needed(build.columns, build.rows), 0);
+  if (!build.grey.has_grey()) return;
+  const auto values = build.grey.values();
+  for (std::size_t level = 0; level < values.size(); ++level) {
+    light_[level] = static_cast<std::uint8_t>(std::lround(255 * build.grey.light(values[level])));
+  }
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    runs_[i].resize(GreyRuns::runs_needed(build.columns, build.rows));
+    greys_[i] = GreyRuns(runs_[i], build.columns);
+  }
 }
 
 void PanelModel::flip(bool black, std::function<void()> on_settled) {
@@ -37,7 +47,7 @@ void PanelModel::cut() {
 }
 
 ConstBitImage PanelModel::visible() {
-  if (!changing_ && (matches_mask_ || !torn)) return image(shown_);
+  if (!shows_two()) return image(shown_);
   torn_.resize(buffers_[0].size());
   const auto half = static_cast<std::ptrdiff_t>(torn_.size() / build_.rows * (build_.rows / 2));
   const auto& upper = buffers_[shown_];
@@ -46,6 +56,25 @@ ConstBitImage PanelModel::visible() {
   if (!black_) std::copy(upper.begin(), upper.begin() + half, torn_.begin());
   if (!was_black_) std::copy(lower.begin() + half, lower.end(), torn_.begin() + half);
   return {torn_, build_.columns, build_.rows};
+}
+
+std::span<const GreyRun> PanelModel::visible_greys() {
+  const std::uint32_t pixels = build_.columns * build_.rows, half = build_.columns * (build_.rows / 2);
+  visible_greys_.clear();
+  const auto add = [&](std::size_t which, std::uint32_t begin, std::uint32_t end) {
+    for (GreyRun run : greys_[which].runs()) {
+      if (run.pixel < begin || run.pixel >= end) continue;
+      run.level = light_[run.level];
+      visible_greys_.push_back(run);
+    }
+  };
+  if (!shows_two()) {
+    if (!black_) add(shown_, 0, pixels);
+    return visible_greys_;
+  }
+  if (!black_) add(shown_, 0, half);
+  if (!was_black_) add(black_ ? shown_ : 1 - shown_, half, pixels);
+  return visible_greys_;
 }
 
 }  // namespace plumbline::inline hal::inline sim

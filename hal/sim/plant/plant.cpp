@@ -248,7 +248,8 @@ void Plant::cure() {
   if (panel_.black() && panel_.matches_mask() && !panel_.changing()) return;
   Resin resin = settings_.resin;
   if (has_fault(FaultKind::kResinWeak)) resin.critical = resin.critical * amount(FaultKind::kResinWeak);
-  part_.expose(here, panel_.visible(), lit_at_, now(), dose_of(settings_.lamp.irradiance, asked_), dose, resin);
+  part_.expose(here, panel_.visible(), lit_at_, now(), dose_of(settings_.lamp.irradiance, asked_), dose, resin,
+               panel_.visible_greys());
   const CuredLayer& layer = part_.layers().back();
   if (layer.depth_mm <= 0 || layer.pixels == 0) return;
   stuck_at_ = here;

@@ -108,13 +108,29 @@ TEST(DoseField, MovesTheEdgeOfAMaskAsTheBlurSays) {
 TEST(DoseField, IsTheSumOverAllPixelsAndLayers) {
   std::mt19937_64 random(7);
   std::vector<Mask> masks;
+  std::vector<std::vector<GreyRun>> greys(30);
   for (int k = 0; k < 30; ++k) {
     masks.emplace_back(150, 20, [&](auto x, auto) { return x > 40 && random() % 3 != 0; });
+    std::uint32_t pixel = 0;
+    while (k % 3 != 0 && (pixel += static_cast<std::uint32_t>(random() % 40)) < 2990) {
+      const auto count = static_cast<std::uint16_t>(1 + random() % (150 - pixel % 150) % 5);
+      greys[static_cast<std::size_t>(k)].push_back({pixel, count, static_cast<std::uint8_t>(1 + random() % 254)});
+      pixel += count;
+    }
   }
+  const auto share_of = [&](std::size_t k, std::uint32_t c, std::uint32_t r) {
+    for (const GreyRun& run : greys[k]) {
+      if (150 * r + c >= run.pixel && 150 * r + c < run.end()) return run.level / 255.0;
+    }
+    return masks[k].image().at(c, r) ? 1.0 : 0.0;
+  };
   for (const double blur : {0.0, 0.4, 2.0}) {
     for (const double exchange : {0.0, 0.6, 1.0}) {
       DoseField field(standard_resin(exchange, blur));
-      for (int k = 0; k < 30; ++k) field.add(light(k, 5 + k % 4), masks[static_cast<std::size_t>(k)].image());
+      for (int k = 0; k < 30; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        field.add(light(k, 5 + k % 4), masks[i].image(), greys[i]);
+      }
       for (int n = 0; n < 60; ++n) {
         if (n == 40) field.drop_below(1);
         const double low = n < 40 ? 0 : 1;
@@ -132,8 +148,8 @@ TEST(DoseField, IsTheSumOverAllPixelsAndLayers) {
           double share = 0;
           for (std::uint32_t r = 0; r < 20; ++r) {
             for (std::uint32_t c = 0; c < 150; ++c) {
-              if (!masks[static_cast<std::size_t>(k)].image().at(c, r)) continue;
-              share += weight(x / kPixelMm - c - 0.5) * weight(y / kPixelMm - r - 0.5);
+              const double both = weight(x / kPixelMm - c - 0.5) * weight(y / kPixelMm - r - 0.5);
+              if (both > 0) share += both * share_of(static_cast<std::size_t>(k), c, r);
             }
           }
           const double term = (5 + k % 4) * share * std::exp(-(film - z) / 0.12);
@@ -142,6 +158,31 @@ TEST(DoseField, IsTheSumOverAllPixelsAndLayers) {
         }
         EXPECT_NEAR(field.at(x, y, z), largest + (1 - exchange) * (sum - largest), 2e-3) << x << " " << y << " " << z;
       }
+    }
+  }
+}
+
+TEST(DoseField, CuresBelowGreyAsTheWorkingCurveSays) {
+  // Cd = Dp ln(g E / Ec): one layer, white below a run of each level, and black below another.
+  const Mask half(40, 40, [](auto, auto r) { return r < 20; });
+  for (const std::uint8_t level : {std::uint8_t{60}, std::uint8_t{128}, std::uint8_t{200}, std::uint8_t{254}}) {
+    std::vector<GreyRun> greys;
+    for (std::uint32_t r = 10; r < 30; ++r) greys.push_back({40 * r + 5, 30, level});
+    for (const double blur : {0.0, 0.5}) {
+      DoseField field(standard_resin(0, blur));
+      field.add(light(60, kStandardDose), half.image(), greys);
+      const double deep = 0.12 * std::log(level / 255.0 * kStandardDose / 3.2);
+      for (const std::uint32_t row : {14U, 25U}) {
+        if (deep <= 0) {
+          EXPECT_THAT(field.cured_depths(20, row), testing::IsEmpty()) << int{level};
+        } else {
+          EXPECT_THAT(field.cured_depths(20, row),
+                      ElementsAre(DoubleNear(61 * kLayerMm - deep, 1e-5), DoubleNear(61 * kLayerMm, 1e-9)))
+              << int{level} << " " << row;
+        }
+      }
+      EXPECT_NEAR(field.at(1, 0.25, 61 * kLayerMm - 1e-9), kStandardDose, 1e-3) << "white beside it";
+      EXPECT_NEAR(field.at(1, 1.75, 61 * kLayerMm - 1e-9), 0, 1e-3);
     }
   }
 }

@@ -13,6 +13,7 @@
 #include "hal/sim/plant/resin.hpp"
 #include "hal/sim/plant/stage_model.hpp"
 #include "hal/sim/plant/thermal_model.hpp"
+#include "slicer/core/bit_spans.hpp"
 
 namespace plumbline {
 namespace {
@@ -113,10 +114,13 @@ TEST(PanelModel, ShowsHalfOfEachMaskWhenTorn) {
   PanelModel::Build build;
   build.columns = 70;
   build.rows = 10;
+  build.grey.levels = 256;
   PanelModel panel(timeline, build);
   const auto show = [&](std::uint32_t column) {
     panel.back().clear();
+    panel.back_greys().clear();
     for (std::uint32_t row = 0; row < 10; ++row) panel.back().set(column, row);
+    for (std::uint32_t row = 0; row < 10; ++row) panel.back_greys().add(70 * row + column - 1, 90);
     panel.flip(false, [] {});
     timeline.advance_until(timeline.now() + 1s, [] { return false; });
   };
@@ -127,6 +131,9 @@ TEST(PanelModel, ShowsHalfOfEachMaskWhenTorn) {
     EXPECT_EQ(panel.visible().at(66, row), row < 5);
     EXPECT_EQ(panel.visible().at(3, row), row >= 5);
   }
+  const auto greys = panel.visible_greys();
+  ASSERT_EQ(greys.size(), 10U);
+  for (std::uint32_t row = 0; row < 10; ++row) EXPECT_EQ(greys[row], (GreyRun{70 * row + (row < 5 ? 65 : 2), 1, 90}));
 }
 
 TEST(ThermalModel, LampApproachesItsTemperatureWithTheTimeConstant) {
@@ -196,6 +203,36 @@ TEST(CuredPart, ReturnsEveryLayerAsItWasCured) {
     });
     EXPECT_EQ(k, masks.size());
   }
+}
+
+TEST(CuredPart, CuresGreyPixelsWhoseShareOfTheDoseIsAboveTheCriticalOne) {
+  // Ec is 2.4, so 8 mJ/cm2 cure from level 77 of 255 on.
+  std::vector<std::uint64_t> words(BitImage::words_needed(100, 10));
+  const BitImage mask(words, 100, 10);
+  fill(mask, 3, 20, 60, true);
+  const std::vector<GreyRun> greys = {{310, 10, 77}, {320, 5, 200}, {330, 5, 76}, {360, 2, 20}};
+  CuredPart part(100, 10, 0.05, 0.05, {}, true);
+  part.expose(ZPosition(50_um), mask, at(0s), at(1s), Dose(8), Dose(8), Resin(), greys);
+  // Two exposures add up; the bits count where their greys differ.
+  part.expose(ZPosition(100_um), mask, at(2s), at(3s), Dose(8), Dose(4), Resin(), greys);
+  part.expose(ZPosition(100_um), mask, at(4s), at(5s), Dose(4), Dose(4), Resin(), greys);
+  part.expose(ZPosition(150_um), mask, at(6s), at(7s), Dose(8), Dose(4), Resin(), greys);
+  part.expose(ZPosition(150_um), mask, at(8s), at(9s), Dose(4), Dose(4), Resin());
+  part.expose(ZPosition(200_um), mask, at(8s), at(9s), Dose(4), Dose(8), Resin(), std::span(greys).first(1));
+  std::vector<std::vector<GreyRun>> kept;
+  std::vector<std::uint64_t> pixels;
+  part.for_each_lit_layer([&](const CuredLayer& layer, ConstBitImage image, std::span<const GreyRun> lit) {
+    kept.emplace_back(lit.begin(), lit.end());
+    pixels.push_back(image.count());
+    EXPECT_EQ(layer.pixels, image.count());
+    if (kept.size() > 2) return;
+    EXPECT_TRUE(image.at(10, 3));
+    EXPECT_TRUE(image.at(20, 3));
+    EXPECT_FALSE(image.at(30, 3));
+    EXPECT_FALSE(image.at(60, 3));
+  });
+  EXPECT_EQ(kept, (std::vector<std::vector<GreyRun>>{greys, greys, {}, {greys[0]}}));
+  EXPECT_EQ(pixels, (std::vector<std::uint64_t>{45, 45, 40, 50}));
 }
 
 TEST(CuredPart, PacksEqualLayersIntoFewBytes) {

@@ -329,6 +329,44 @@ TEST(Plant, CuresDownFacingSurfacesAsDeepAsTheWorkingCurve) {
   }
 }
 
+TEST(Plant, CuresGreyAsItsPanelsLightSays) {
+  // 7.5 mJ/cm2 of 2.4. A panel with 4 levels and gamma 2 lets 0, 1/9, 4/9 or all of the light through.
+  for (const GreyScale& grey : {GreyScale{256, 1}, GreyScale{4, 2}}) {
+    PlantSettings settings = small_printer();
+    settings.panel.grey = grey;
+    Plant plant(settings);
+    SimMachine machine(plant);
+    const auto draw = [](std::uint32_t, BitImage image) {
+      image.clear();
+      for (std::uint32_t y = 10; y < 50; ++y) {
+        for (std::uint32_t x = 0; x < 60; ++x) image.set(x, y);
+      }
+    };
+    const auto add_greys = [](std::uint32_t layer, GreyRuns& greys) {
+      if (layer != 0) return;
+      for (std::uint32_t y = 20; y < 40; ++y) {
+        greys.add({100 * y + 10, 10, 120});
+        greys.add({100 * y + 20, 10, 60});
+        greys.add({100 * y + 60, 10, 120});
+      }
+    };
+    ASSERT_TRUE(print_layers(machine.machine(), {.layers = 1, .draw = draw, .add_greys = add_greys}));
+    plant.conclude(JobEnd::kFinished);
+    EXPECT_THAT(texts_of(plant.objections()), IsEmpty());
+    EXPECT_EQ(plant.part().layers()[0].pixels, 40U * 60) << "ten columns more, ten less";
+    DoseModel model{.resin = settings.resin, .pitch_x_mm = 0.5, .pitch_y_mm = 0.5};
+    const DoseField field(model, plant.part());
+    const double share = grey.levels == 4 ? std::round(255 * 4.0 / 9) / 255 : 120 / 255.0;
+    const double dose = plant.lights()[0].dose.value(), deep = 0.11 * std::log(share * dose / 2.4);
+    for (const std::uint32_t column : {15U, 65U}) {
+      const auto depths = field.cured_depths(column, 30);
+      ASSERT_THAT(depths, SizeIs(2)) << grey.levels << " " << column;
+      EXPECT_NEAR(depths[0], std::max(0.0, 0.05 - deep), 1e-5);
+    }
+    EXPECT_THAT(field.cured_depths(25, 30), IsEmpty()) << "60 / 255 of 7.5 are 1.8 of 2.4";
+  }
+}
+
 TEST(Plant, TakesTornPiecesOutOfTheLayersBeforeToo) {
   PlantSettings settings = small_printer();
   Plant plant(settings);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <string>
 #include <vector>
@@ -92,6 +94,68 @@ TEST(PanelLayout, PacksEveryPixelWhereRotationMirrorAndPackingPutIt) {
     }
   }
   EXPECT_EQ(layouts, 4 * 4 * 3 * 2);
+}
+
+TEST(PanelLayout, PacksGreyPixelsOverThem) {
+  std::mt19937 random(9);
+  constexpr std::uint32_t kColumns = 66, kRows = 33;
+  std::vector<std::uint64_t> words(BitImage::words_needed(kColumns, kRows));
+  const BitImage mask(words, kColumns, kRows);
+  std::vector<GreyRun> room(GreyRuns::runs_needed(kColumns, kRows) * 16);
+  GreyRuns greys(room, kColumns);
+  std::vector<std::uint32_t> levels(std::size_t{kColumns} * kRows);
+  for (std::uint32_t i = 0; i < levels.size(); ++i) {
+    levels[i] = i > 0 && random() % 3 != 0 ? levels[i - 1] : static_cast<std::uint32_t>(random() % 256);
+    if (levels[i] >= kLeastCuringLevel) mask.set(i % kColumns, i / kColumns);
+    if (is_grey(levels[i])) greys.add(i, static_cast<std::uint8_t>(levels[i]));
+  }
+  for (const GreyScale& scale : {GreyScale{256, 1}, GreyScale{16, 2.2}}) {
+    const auto values = scale.values();
+    for (const std::uint32_t degrees : {0U, 90U, 180U, 270U}) {
+      for (const auto mirror : {PanelLayout::Mirror::kNone, PanelLayout::Mirror::kX, PanelLayout::Mirror::kY}) {
+        for (const bool rgb : {false, true}) {
+          const PanelLayout layout{kColumns, kRows, degrees, mirror, rgb, scale};
+          const std::size_t pitch = layout.mode_width() + 5;
+          std::vector<std::uint32_t> pixels(pitch * layout.mode_height()), expected(pixels.size());
+          for (std::uint32_t i = 0; i < levels.size(); ++i) {
+            const auto to = layout.sent({i % kColumns, i / kColumns});
+            const std::uint32_t value = values[levels[i]];
+            if (rgb) {
+              expected[to.row * pitch + to.column / 3] |= value << (16 - 8 * (to.column % 3));
+            } else {
+              expected[to.row * pitch + to.column] = value * 0x010101;
+            }
+          }
+          pack_pixels(layout, mask, pixels, pitch);
+          pack_greys(layout, greys.runs(), values, pixels, pitch);
+          EXPECT_EQ(pixels, expected) << degrees << " degrees, mirror " << static_cast<int>(mirror) << ", rgb " << rgb;
+        }
+      }
+    }
+  }
+}
+
+TEST(GreyScale, HasTheValueWhoseMeasuredLightIsNearest) {
+  for (const std::uint32_t levels : {2U, 3U, 4U, 8U, 16U, 64U, 255U, 256U}) {
+    for (const double gamma : {0.45, 1.0, 2.2}) {
+      const GreyScale scale{levels, gamma};
+      const auto values = scale.values();
+      for (std::uint32_t share = 0; share < 256; ++share) {
+        const auto off = [&](std::uint32_t value) { return std::abs(std::pow(value / 255.0, gamma) - share / 255.0); };
+        double least = 1;
+        bool is_one_of_them = false;
+        for (std::uint32_t k = 0; k < levels; ++k) {
+          const auto value = static_cast<std::uint32_t>(std::lround(255.0 * k / (levels - 1)));
+          least = std::min(least, off(value));
+          is_one_of_them = is_one_of_them || value == values[share];
+        }
+        EXPECT_TRUE(is_one_of_them) << levels << " " << gamma << " " << share;
+        EXPECT_NEAR(off(values[share]), least, 1e-12) << levels << " " << gamma << " " << share;
+      }
+    }
+  }
+  const auto plain = GreyScale{256, 1}.values();
+  for (std::uint32_t share = 0; share < 256; ++share) EXPECT_EQ(plain[share], share);
 }
 
 TEST(PanelLayout, RefusesToPackARotatedWidthThatIsNoMultipleOfThree) {
