@@ -21,6 +21,7 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   plant.panel.rows = board.rows;
   plant.panel.pitch_x_mm = board.pixel_pitch_x_mm;
   plant.panel.pitch_y_mm = board.pixel_pitch_y_mm;
+  plant.panel.grey = machine.panel.grey;
   plant.panel.settling = nanoseconds_of_ms(machine.refresh_delay_ms);
   const Distance end_stop = Distance::millimetres(machine.end_stop_height_mm);
   plant.stage.step = Distance::millimetres(machine.step_mm());

@@ -46,6 +46,8 @@ std::vector<SettingRule> board_rules(BoardFile& board, MachineFile& machine) {
       {"panel", "rotation_deg", NumberChoiceSetting{kRotations, &machine.panel.rotation_deg}, 0, 0, " degrees",
        kMachine},
       {"panel", "refresh_delay_ms", &machine.refresh_delay_ms, 0, 1000, " ms", kMachine},
+      {"panel", "grey_levels", &machine.panel.grey.levels, 2, 256, "", Presence::kOptional},
+      {"panel", "grey_gamma", &machine.panel.grey.gamma, 0.2, 5, "", Presence::kOptional},
       {"z_stage", "travel_mm", &board.travel_mm, 1, 2000, " mm"},
       {"z_stage", "rotation_distance_mm", &machine.rotation_distance_mm, 0.1, 100, " mm", kMachine},
       {"z_stage", "full_steps_per_rotation", &machine.full_steps_per_rotation, 20, 1000, " steps", kMachine},

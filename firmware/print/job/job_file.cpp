@@ -109,6 +109,10 @@ std::uint64_t hash_of(const BoardFile& board) {
                                m.end_stop_height_mm, m.power_mw_cm2}) {
       number(value);
     }
+    if (m.panel.grey.has_grey()) {
+      number(m.panel.grey.levels);
+      number(m.panel.grey.gamma);
+    }
   }
   return hash.value();
 }

@@ -136,7 +136,8 @@ TEST(BoardFile, RefusesNamesThatAreEmptyTooLongOrNeedQuoting) {
 TEST(BoardFile, RefusesAnUnknownKeyAndNamesTheNearest) {
   EXPECT_EQ(refusal(good_with("columns = 1440", "colums = 1440")),
             "b.toml:4: [panel] colums: unknown key; the nearest known one is columns. Allowed are columns, rows, "
-            "pixel_pitch_x_mm, pixel_pitch_y_mm, packing, mirror, rotation_deg, refresh_delay_ms");
+            "pixel_pitch_x_mm, pixel_pitch_y_mm, packing, mirror, rotation_deg, refresh_delay_ms, grey_levels, "
+            "grey_gamma");
   EXPECT_THAT(refusal(good_with("pixel_pitch_y_mm", "pixel_pitch_mm_y")), HasSubstr("is pixel_pitch_"));
   EXPECT_THAT(refusal(good_with("rows = 2560", "rows = 2560\nflip = true")),
               StartsWith("b.toml:6: [panel] flip: unknown key;"));
@@ -198,6 +199,8 @@ TEST(BoardFile, ReadsTheMachine) {
   EXPECT_FALSE(machine->panel.rgb);
   EXPECT_EQ(machine->panel.mirror, PanelLayout::Mirror::kX);
   EXPECT_EQ(machine->panel.rotation_deg, 0U);
+  EXPECT_EQ(machine->panel.grey.levels, 256U);
+  EXPECT_EQ(machine->panel.grey.gamma, 1);
   EXPECT_DOUBLE_EQ(machine->step_mm(), 0.00125);
   EXPECT_EQ(machine->power_mw_cm2, 3.5);
   EXPECT_TRUE(machine->has_cover_switch);
@@ -223,6 +226,17 @@ std::string sim2k_with(const std::string& from, const std::string& to) {
   const auto at = text.find(from);
   if (at == std::string::npos) ADD_FAILURE() << from << " is not in sim2k.toml";
   return text.replace(at, from.size(), to);
+}
+
+TEST(BoardFile, ShowsNoGreyUnlessItSaysSo) {
+  const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono2k.toml");
+  ASSERT_TRUE(board) << board.error().message();
+  EXPECT_FALSE(board->machine->panel.grey.has_grey());
+  const auto sixteen = parse_board_file(sim2k_with("grey_levels = 256", "grey_levels = 16"), "b.toml");
+  ASSERT_TRUE(sixteen) << sixteen.error().message();
+  EXPECT_TRUE(sixteen->machine->panel.grey.has_grey());
+  EXPECT_THAT(refusal(sim2k_with("grey_levels = 256", "grey_levels = 1")), HasSubstr("found an integer 1, allowed is"));
+  EXPECT_THAT(refusal(sim2k_with("grey_gamma = 1.0", "grey_gamma = 0")), HasSubstr("[panel] grey_gamma: found"));
 }
 
 TEST(BoardFile, RefusesWordsAndNumbersThatAreNotAChoice) {

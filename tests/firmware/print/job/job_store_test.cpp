@@ -180,6 +180,8 @@ TEST(BoardHash, ChangesWithMasksAndHeightsAndNotWithComments) {
   for (const auto& [from, to] : {std::pair<std::string, std::string>{"columns = 1440", "columns = 1441"},
                                  {"mirror = \"x\"", "mirror = \"y\""},
                                  {"rotation_distance_mm = 4.0", "rotation_distance_mm = 8.0"},
+                                 {"grey_levels = 256", "grey_levels = 2"},
+                                 {"grey_gamma = 1.0", "grey_gamma = 2.2"},
                                  {"end_stop_height_mm = 175.0", "end_stop_height_mm = 176.0"}}) {
     auto changed = text;
     changed.replace(changed.find(from), from.size(), to);
