@@ -3,7 +3,7 @@
 #include "slicer/core/numbers/mix64.hpp"
 
 namespace plumbline::firmware {
-std::uint64_t mask_hash(ConstBitImage mask) {
+std::uint64_t mask_hash(ConstBitImage mask, std::span<const GreyRun> greys) {
   std::uint64_t sum = mix64((std::uint64_t{mask.columns()} << 32) + mask.rows());
   std::uint64_t place = 0;
   for (std::uint32_t r = 0; r < mask.rows(); ++r, place += mask.stride() * kGoldenStep64) {
@@ -14,6 +14,9 @@ std::uint64_t mask_hash(ConstBitImage mask) {
       at += kGoldenStep64;
       if (word != 0) sum += mix64(reversed_bits(word) + at);
     }
+  }
+  for (const GreyRun& run : greys) {
+    sum += mix64(mix64((std::uint64_t{run.pixel} << 32) + (std::uint64_t{run.count} << 16) + run.level));
   }
   return mix64(sum);
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "slicer/core/bit_image.hpp"
+#include "slicer/core/grey_runs.hpp"
 
 namespace plumbline::firmware {
 
@@ -18,7 +19,11 @@ namespace plumbline::firmware {
 ///
 /// all modulo 2^64. The sum does not depend on the order of the words, so black words are skipped and the processor
 /// works on several at a time.
-std::uint64_t mask_hash(ConstBitImage mask);
+///
+/// A mask with grey pixels adds, for each of the longest runs of one level in a row, to the inner sum
+///
+///   mix(mix(first pixel * 2^32 + count * 2^16 + level))
+std::uint64_t mask_hash(ConstBitImage mask, std::span<const GreyRun> greys = {});
 
 /// Hash of a job, from the hashes of its layers in order.
 ///

@@ -81,6 +81,26 @@ TEST(MaskHash, DependsOnEveryPixelItsPlaceAndTheSize) {
   EXPECT_EQ(hashes.size(), 2U + 100 * 30);
 }
 
+TEST(MaskHash, DependsOnEveryGreyPixelAndItsLevel) {
+  const Mask mask = random_mask(100, 30, 1);
+  std::set<std::uint64_t> hashes = {mask_hash(mask.image)};
+  std::size_t different = 1;
+  for (std::uint32_t pixel = 0; pixel < 3000; pixel += 7) {
+    for (const GreyRun& run : {GreyRun{pixel, 1, 1}, GreyRun{pixel, 2, 1}, GreyRun{pixel, 1, 254}}) {
+      hashes.insert(mask_hash(mask.image, std::span(&run, 1)));
+      ++different;
+    }
+  }
+  EXPECT_EQ(hashes.size(), different);
+  // By the definition.
+  Mask dot(10, 2);
+  dot.image.set(0, 0);
+  const GreyRun run{5, 3, 200};
+  const std::uint64_t inner = mix((10ULL << 32) + 2) + mix((1ULL << 63) + 0x9E3779B97F4A7C15U);
+  EXPECT_EQ(mask_hash(dot.image), mix(inner));
+  EXPECT_EQ(mask_hash(dot.image, std::span(&run, 1)), mix(inner + mix(mix((5ULL << 32) + (3ULL << 16) + 200))));
+}
+
 TEST(JobHash, DependsOnTheOrderAndTheNumberOfLayers) {
   const std::array<std::uint64_t, 3> layers = {1, 2, 3};
   const std::array<std::uint64_t, 3> swapped = {2, 1, 3};
