@@ -25,11 +25,11 @@ namespace {
 /// No slicer writes settings this large, even G-code and .uvj, which grow by a few lines with each layer.
 constexpr std::size_t kMostSettingsBytes = std::size_t{64} << 20U;
 
-Status decode(ZipReader& zip, const ArchiveLayer& layer, const MaskTurn& turn, BitImage out,
-              GreyShare* grey = nullptr) {
+Status decode(ZipReader& zip, const ArchiveLayer& layer, const MaskTurn& turn, BitImage out, GreyShare* grey,
+              GreyRuns* greys) {
   PLUMBLINE_TRY(zip.open_entry(layer.place));
   const auto bytes = [&zip](std::span<std::byte> buffer) { return zip.read(buffer); };
-  auto done = decode_turned_mask(bytes, most_mask_bytes(out.columns(), out.rows()), turn, out, grey);
+  auto done = decode_turned_mask(bytes, most_mask_bytes(out.columns(), out.rows()), turn, out, grey, greys);
   if (done || done.error().code() == ErrorCode::kCannotRead) return done;
   FixedText<300> where;
   where.add("%s: layer %llu", zip.name().c_str(), static_cast<unsigned long long>(layer.number));
@@ -225,8 +225,8 @@ Status LayerArchive::list(std::span<ArchiveLayer> out) {
       count, [&](std::size_t i) { return listed[i].number; }, zip_.name().c_str());
 }
 
-Status LayerArchive::read(const ArchiveLayer& layer, BitImage out, GreyShare* grey) {
-  return decode(zip_, layer, turn_, out, grey);
+Status LayerArchive::read(const ArchiveLayer& layer, BitImage out, GreyShare* grey, GreyRuns* greys) {
+  return decode(zip_, layer, turn_, out, grey, greys);
 }
 
 void LayerArchive::turn_for(std::uint32_t columns, std::uint32_t rows) {
@@ -258,10 +258,10 @@ Expected<bool> LayerArchive::draw_thumbnail(std::span<std::uint8_t> rgb, const P
 }
 
 Status read_archive_layer(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
-                          BitImage out) {
+                          BitImage out, GreyRuns* greys) {
   auto zip = ZipReader::open(file, PrintableText(name).view());
   PLUMBLINE_TRY(zip);
-  return decode(*zip, layer, turn, out);
+  return decode(*zip, layer, turn, out, nullptr, greys);
 }
 
 }  // namespace plumbline::firmware::inline archive

@@ -54,9 +54,10 @@ class LayerArchive {
   [[nodiscard]] Status list(std::span<ArchiveLayer> out);
 
   /// @param out   columns() x rows(), row 0 with the smallest y
-  /// @param grey  may be null; see decode_turned_mask()
+  /// @param grey, greys  may be null; see decode_turned_mask()
   /// @retval any error of decode_turned_mask(), with the names of the archive and the layer
-  [[nodiscard]] Status read(const ArchiveLayer& layer, BitImage out, GreyShare* grey = nullptr);
+  [[nodiscard]] Status read(const ArchiveLayer& layer, BitImage out, GreyShare* grey = nullptr,
+                            GreyRuns* greys = nullptr);
 
   /// Draws the thumbnail or preview that the archive's slicer has put in: of those that are as large as `wanted`, the smallest, else the
   /// largest. Looks at the first kMostThumbnails.
@@ -85,6 +86,6 @@ class LayerArchive {
 /// @param turn  LayerArchive::turn()
 /// @retval any error of ZipReader and decode_turned_mask()
 [[nodiscard]] Status read_archive_layer(int file, std::string_view name, const ArchiveLayer& layer,
-                                        const MaskTurn& turn, BitImage out);
+                                        const MaskTurn& turn, BitImage out, GreyRuns* greys = nullptr);
 
 }  // namespace plumbline::firmware::inline archive

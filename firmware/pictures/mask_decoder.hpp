@@ -8,6 +8,7 @@
 #include "firmware/pictures/png.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/grey_runs.hpp"
 
 namespace plumbline::firmware::inline pictures {
 
@@ -24,27 +25,28 @@ struct MaskTurn {
   }
 };
 
-/// How much of the masks of a print is not white. Their grey pixels become white or black.
+/// How much of the masks of a print is not white. On a panel without grey these pixels become white or black.
 struct GreyShare {
   std::uint64_t lit = 0;   ///< pixels above black
   std::uint64_t grey = 0;  ///< of them neither black nor white
-  std::uint64_t lost = 0;  ///< of them below half of the full level: they become black
+  std::uint64_t lost = 0;  ///< of them below kLeastCuringLevel: they become black
 
   /// Of the lit area, 0 to 1.
   double share() const { return lit > 0 ? static_cast<double>(grey) / static_cast<double>(lit) : 0; }
   bool operator==(const GreyShare&) const = default;
 };
 
-/// Decodes a PNG of any kind. What is transparent shows black. A pixel is white from half of the full level on, as in UVtools; a colour has
-/// the level of its luma (ITU-R BT.601).
+/// Decodes a PNG of any kind. What is transparent shows black. A pixel is white from kLeastCuringLevel of 255 on, half of the full level as
+/// in UVtools; a colour has the level of its luma (ITU-R BT.601).
 /// @param most_bytes  of the file; what is longer is refused when so many have come
 /// @param out         overwritten, also after an error
 /// @param grey        may be null; the pixels of the file are added to it
+/// @param greys       may be null; becomes the grey pixels of `out`, in order
 /// @retval ErrorCode::kMalformed    no PNG, damaged, cut off, too long, or not of the size of `out`
 /// @retval ErrorCode::kOutOfMemory  the heap has no 200 kB; 400 kB with colours
 /// @retval any error of `bytes`
 [[nodiscard]] Status decode_turned_mask(PngBytes bytes, std::uint64_t most_bytes, const MaskTurn& turn, BitImage out,
-                                        GreyShare* grey = nullptr);
+                                        GreyShare* grey = nullptr, GreyRuns* greys = nullptr);
 
 /// The same of a file in memory, as it lies.
 [[nodiscard]] Status decode_mask(std::span<const std::byte> file, BitImage out);

@@ -35,7 +35,7 @@ std::vector<unsigned char> noise(LodePNGColorType colour, unsigned depth, std::u
 
 /// @param step  bytes handed out at once
 Status decode(std::span<const unsigned char> file, const MaskTurn& turn, BitImage out, std::size_t step = 1000,
-              std::uint64_t most = UINT64_MAX, GreyShare* grey = nullptr) {
+              std::uint64_t most = UINT64_MAX, GreyShare* grey = nullptr, GreyRuns* greys = nullptr) {
   std::size_t at = 0;
   const auto bytes = [&](std::span<std::byte> to) -> Expected<std::size_t> {
     const std::size_t count = std::min({step, to.size(), file.size() - at});
@@ -43,7 +43,7 @@ Status decode(std::span<const unsigned char> file, const MaskTurn& turn, BitImag
     at += count;
     return count;
   };
-  return decode_turned_mask(bytes, most, turn, out, grey);
+  return decode_turned_mask(bytes, most, turn, out, grey, greys);
 }
 
 TEST(MaskDecoder, AgreesWithLodepngOnEveryKindOfPng) {
@@ -97,6 +97,73 @@ TEST(MaskDecoder, LaysEveryPixelWhereTheTurnSays) {
       }
     }
     EXPECT_EQ(turned.image.count(), plain.image.count()) << "no pixel outside the image";
+  }
+}
+
+/// The level of each pixel, from bits and greys.
+std::vector<int> levels_of(const Mask& mask, const GreyRuns& greys) {
+  std::vector<int> levels;
+  for (std::uint32_t row = 0; row < mask.image.rows(); ++row) {
+    for (std::uint32_t column = 0; column < mask.image.columns(); ++column) {
+      levels.push_back(mask.image.at(column, row) ? 255 : 0);
+    }
+  }
+  std::uint32_t end = 0;
+  for (const GreyRun& run : greys.runs()) {
+    EXPECT_TRUE(run.count > 0 && is_grey(run.level) && run.pixel >= end);
+    EXPECT_EQ(run.pixel / mask.image.columns(), (run.end() - 1) / mask.image.columns()) << "of one row";
+    end = run.end();
+    for (std::uint32_t pixel = run.pixel; pixel < end; ++pixel) {
+      EXPECT_EQ(levels[pixel], run.level >= kLeastCuringLevel ? 255 : 0) << "the bit below a grey pixel";
+      levels[pixel] = run.level;
+    }
+  }
+  return levels;
+}
+
+TEST(MaskDecoder, KeepsGreyPixelsOfEveryKindOfPngWhereTheTurnSays) {
+  for (const auto colour : {LCT_GREY, LCT_GREY_ALPHA, LCT_PALETTE, LCT_RGB, LCT_RGBA}) {
+    for (const unsigned depth : {1U, 2U, 4U, 8U, 16U}) {
+      const bool few = colour == LCT_GREY || colour == LCT_PALETTE;
+      if ((depth < 8 && !few) || (depth == 16 && colour == LCT_PALETTE)) continue;
+      for (const bool interlaced : {false, true}) {
+        const testing::NoisePng png(colour, depth, kColumns, kRows, interlaced);
+        for (const unsigned bits : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U}) {
+          const MaskTurn turn{(bits & 1U) != 0, (bits & 2U) != 0, (bits & 4U) != 0};
+          Mask mask(turn.swaps ? kRows : kColumns, turn.swaps ? kColumns : kRows);
+          std::vector<GreyRun> room(kColumns * kRows);
+          GreyRuns greys(room, mask.image.columns());
+          ASSERT_TRUE(decode(png.file, turn, mask.image, 1000, UINT64_MAX, nullptr, &greys));
+          std::vector<int> expected(kColumns * kRows);
+          for (std::uint32_t i = 0; i < kColumns * kRows; ++i) {
+            const std::uint32_t column = i % kColumns, row = i / kColumns;
+            const std::uint32_t x = turn.mirror_x ? kColumns - 1 - column : column;
+            const std::uint32_t y = turn.mirror_y ? kRows - 1 - row : row;
+            const unsigned char* const at = &png.rgba[std::size_t{4} * i];
+            expected[turn.swaps ? x * kRows + y : y * kColumns + x] =
+                (299 * at[0] + 587 * at[1] + 114 * at[2]) * at[3] / 255'000;
+          }
+          ASSERT_EQ(levels_of(mask, greys), expected)
+              << "colour " << colour << ", depth " << depth << ", turn " << bits << (interlaced ? ", interlaced" : "");
+        }
+      }
+    }
+  }
+}
+
+TEST(MaskDecoder, DecodesTheSameBitsIfThereIsNoRoomForGrey) {
+  const auto file = noise(LCT_GREY, 8);
+  Mask plain(kColumns, kRows), some(kColumns, kRows);
+  ASSERT_TRUE(decode(file, {}, plain.image));
+  for (const std::size_t runs : {0U, 1U, 100U}) {
+    std::vector<GreyRun> room(runs);
+    GreyRuns greys(room, kColumns);
+    greys.add(3, 3);  // of a layer before
+    ASSERT_TRUE(decode(file, {}, some.image, 1000, UINT64_MAX, nullptr, &greys));
+    EXPECT_EQ(some.words, plain.words);
+    EXPECT_EQ(greys.runs().size(), runs);
+    EXPECT_EQ(greys.lost() > 0, runs > 0);
+    levels_of(some, greys);
   }
 }
 
