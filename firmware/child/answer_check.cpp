@@ -187,6 +187,21 @@ Expected<SlicedArchive> check_archive_answer(const ScanAnswer& answer, const Sca
   return sliced;
 }
 
+Status take_checked_greys(std::span<const GreyRun> runs, std::uint64_t count, std::uint32_t columns, std::uint32_t rows,
+                          GreyRuns& greys) {
+  greys.clear();
+  if (count > runs.size()) return wrong("number of grey pixels");
+  const std::uint64_t pixels = std::uint64_t{columns} * rows;
+  std::uint64_t least = 0;
+  for (const GreyRun& run : runs.first(static_cast<std::size_t>(count))) {
+    const bool inside = run.count > 0 && run.pixel < pixels && run.pixel % columns + run.count <= columns;
+    if (!inside || run.pixel < least || !is_grey(run.level)) return wrong("grey pixels");
+    least = std::uint64_t{run.pixel} + run.count;
+    greys.add(run);
+  }
+  return {};
+}
+
 Expected<Proposals> check_proposals(const ScanAnswer& answer) {
   if (answer.kind == ScanAnswer::kRefused) return child_error(answer, kScanErrors);
   if (answer.kind != ScanAnswer::kProposals) return wrong("no answer");

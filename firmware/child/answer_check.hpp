@@ -10,6 +10,7 @@
 #include "firmware/print/job/sliced_archive.hpp"
 #include "firmware/print/job/sliced_scan.hpp"
 #include "slicer/core/arena.hpp"
+#include "slicer/core/grey_runs.hpp"
 
 namespace plumbline::firmware {
 
@@ -36,6 +37,15 @@ inline constexpr const char* kExportAgain =
 /// @param arena  as above; takes the layers at its bottom
 [[nodiscard]] Expected<SlicedArchive> check_archive_answer(const ScanAnswer& answer, const ScanRequest& request,
                                                            Arena& arena);
+
+/// The grey pixels of a layer.
+/// @param runs   where the child was to leave them
+/// @param count  how many it says there are
+/// @param greys  of an image of `columns` x `rows`; becomes them
+/// @retval ErrorCode::kMalformed  there can't be so many, one has no pixel, lies outside the image or across rows, is out of order, or is
+///                                black or white
+[[nodiscard]] Status take_checked_greys(std::span<const GreyRun> runs, std::uint64_t count, std::uint32_t columns,
+                                        std::uint32_t rows, GreyRuns& greys);
 
 /// The same for the ways up that it proposes.
 /// @retval ErrorCode::kMalformed  a number is none, or can't be; otherwise the child's own error, if it can be a scan's

@@ -38,7 +38,7 @@ Status check(SharedMemory& memory) {
   SharedProgress progress(page.progress);
   const PlacementSettings& placement = page.request.settings.placement;
   const ArchiveTarget target{*placement.printer, static_cast<double>(placement.layer_height_mm),
-                             page.request.settings.peel};
+                             page.request.settings.peel, page.request.archive.shows_grey};
   const auto sliced = check_archive(STDIN_FILENO, page.request.name.view(), target, arena, &progress);
   PLUMBLINE_TRY(sliced);
   answer.layers = sliced->grid.layers;
@@ -71,8 +71,14 @@ Status decode(SharedMemory& memory) {
   const PrinterVolume& printer = *request.settings.placement.printer;
   const auto words = BitImage::words_needed(printer.columns, printer.rows);
   auto* const mask = reinterpret_cast<std::uint64_t*>(memory.arena().data() + request.archive.mask_at);
+  GreyRuns greys;
+  if (request.archive.shows_grey) {
+    const std::size_t runs = GreyRuns::runs_needed(printer.columns, printer.rows);
+    greys = GreyRuns({reinterpret_cast<GreyRun*>(mask + words), runs}, printer.columns);
+  }
   PLUMBLINE_TRY(read_archive_layer(STDIN_FILENO, request.name.view(), request.archive.layer, request.archive.turn,
-                                   BitImage({mask, words}, printer.columns, printer.rows)));
+                                   BitImage({mask, words}, printer.columns, printer.rows), &greys));
+  page.answer.greys = greys.runs().size();
   page.answer.kind = ScanAnswer::kLayer;
   return {};
 }

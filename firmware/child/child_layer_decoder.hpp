@@ -29,23 +29,23 @@ class ChildLayerDecoder final : public LayerDecoder {
 
   const LayerPatience& patience() const { return patience_; }
 
-  /// Takes a mask and up to two pages from the top of the arena that the child shares.
-  Status prepare(const PrintGrid& grid, Arena& arena) override;
+  /// Takes a mask, room for its greys, and up to two pages from the top of the arena that the child shares.
+  Status prepare(const PrintGrid& grid, bool shows_grey, Arena& arena) override;
   /// @retval ErrorCode::kMalformed      also if the child crashed or hung
   /// @retval ErrorCode::kDeviceTimeout  no child can be started any more
-  Status decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
-                BitImage out) override;
+  Status decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn, BitImage out,
+                GreyRuns& greys) override;
 
   // The same in steps, for those who can't wait: begin(), then finish() until it is true or fails.
 
   /// @pre no child runs
   /// @retval ErrorCode::kDeviceTimeout  no child can be started any more
   [[nodiscard]] Status begin(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn);
-  /// @param patience  how long to wait for the child
-  /// @param out       overwritten once the layer is decoded
+  /// @param patience    how long to wait for the child
+  /// @param out, greys  overwritten once the layer is decoded
   /// @returns whether it is; false: the child still works
   /// @retval as decode(); the child has ended then, unless no child can be started any more
-  [[nodiscard]] Expected<bool> finish(std::chrono::milliseconds patience, BitImage out);
+  [[nodiscard]] Expected<bool> finish(std::chrono::milliseconds patience, BitImage out, GreyRuns& greys);
   /// Kills the child and waits for its end, or for the template's if that does not report it.
   /// @returns the error of a layer that took too long
   /// @retval ErrorCode::kDeviceTimeout  no child can be started any more
@@ -57,9 +57,10 @@ class ChildLayerDecoder final : public LayerDecoder {
   SlicingChild& child_;
   PrinterVolume printer_;
   LayerPatience patience_;
-  std::span<std::byte> mask_;  ///< on a page
-  FixedText<256> name_;        ///< of the archive whose layer is decoded
-  std::uint64_t number_ = 0;   ///< of that layer
+  std::span<std::byte> mask_;      ///< on a page
+  std::span<const GreyRun> runs_;  ///< behind it
+  FixedText<256> name_;            ///< of the archive whose layer is decoded
+  std::uint64_t number_ = 0;       ///< of that layer
 };
 
 }  // namespace plumbline::firmware

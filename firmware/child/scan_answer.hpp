@@ -17,11 +17,12 @@ namespace plumbline::firmware {
 
 /// Numbers and characters only, so that no value of a byte is invalid. check_answer() says what of it holds.
 struct ScanAnswer {
-  static constexpr std::uint32_t kSliced = 0x50534C31;     ///< "PSL1"
-  static constexpr std::uint32_t kRefused = 0x50535231;    ///< "PSR1"
-  static constexpr std::uint32_t kJob = 0x50534A31;        ///< "PSJ1"
-  static constexpr std::uint32_t kArchive = 0x50534131;    ///< "PSA1"
-  static constexpr std::uint32_t kLayer = 0x50534D31;      ///< "PSM1": the mask lies where it was asked for
+  static constexpr std::uint32_t kSliced = 0x50534C31;   ///< "PSL1"
+  static constexpr std::uint32_t kRefused = 0x50535231;  ///< "PSR1"
+  static constexpr std::uint32_t kJob = 0x50534A31;      ///< "PSJ1"
+  static constexpr std::uint32_t kArchive = 0x50534131;  ///< "PSA1"
+  static constexpr std::uint32_t kLayer =
+      0x50534D31;  ///< "PSM1": the mask lies where it was asked for, its greys behind it
   static constexpr std::uint32_t kProposals = 0x50534F31;  ///< "PSO1"
   static constexpr std::uint32_t kGlance = 0x50534731;     ///< "PSG1": there is a picture of the scan
   static constexpr std::size_t kMostRemarks = 8;
@@ -62,6 +63,8 @@ struct ScanAnswer {
   std::array<std::uint64_t, 3> grey{};    ///< GreyShare, in its order
   double layer_height_mm = 0;             ///< of the grid
   PassedValues values;                    ///< what the archive says
+
+  std::uint64_t greys = 0;  ///< kLayer: runs of grey pixels
 };
 
 }  // namespace plumbline::firmware

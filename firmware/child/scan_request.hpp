@@ -26,8 +26,9 @@ struct ArchiveRequest {
   Ask ask = Ask::kNothing;
   ArchiveLayer layer;  ///< kLayer
   MaskTurn turn;       ///< kLayer
-  std::uint64_t mask_at =
-      0;  ///< kLayer: byte of the arena where the mask goes, on a page. The child can't write to the arena before it
+  /// kLayer: byte of the arena where the mask goes, on a page, and behind it its grey pixels. The child can't write to the arena before it.
+  std::uint64_t mask_at = 0;
+  bool shows_grey = false;  ///< kCheck, kLayer: the panel does
 };
 
 /// One of the files of a request.

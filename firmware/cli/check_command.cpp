@@ -134,7 +134,9 @@ Expected<CheckedMasks> check_scan(const CheckOptions& options, const JobSetup& s
   return checked;
 }
 
-Status write_findings(const CheckedMasks& masks, const CheckOptions& options, const CheckPolicy& policy) {
+/// @param shows_grey  the printer's panel does
+Status write_findings(const CheckedMasks& masks, bool shows_grey, const CheckOptions& options,
+                      const CheckPolicy& policy) {
   OutputFile out = OutputFile::standard_output();
   const StackFindings& found = masks.findings;
   const PrintGrid& grid = masks.grid;
@@ -148,8 +150,11 @@ Status write_findings(const CheckedMasks& masks, const CheckOptions& options, co
            scale.mm2(found.jump_pixels), found.jump_layer);
   if (masks.grey.grey > 0) {
     const double lost = static_cast<double>(masks.grey.lost) / static_cast<double>(masks.grey.lit);
-    text.add("grey       %.1f %% of the area is neither black nor white: %.1f %% becomes black, %.1f %% white\n",
-             100 * masks.grey.share(), 100 * lost, 100 * (masks.grey.share() - lost));
+    text.add("grey       %.1f %% of the area is neither black nor white", 100 * masks.grey.share());
+    if (!shows_grey) {
+      text.add(": %.1f %% becomes black, %.1f %% white", 100 * lost, 100 * (masks.grey.share() - lost));
+    }
+    text.add("\n");
   }
   text.add("found      %s\n", issue_counts(found).c_str());
   PLUMBLINE_TRY(out.write(text.view()));
@@ -222,9 +227,11 @@ ExitCode run_check(const CheckOptions& options, std::span<std::byte> arena_block
   const auto masks = stack ? check_stack(options, *setup, terminal) : check_scan(options, *setup, terminal);
   if (!masks) return report_error(masks.error());
   const CheckPolicy policy = options.checks.over(checks_of(setup->board));
+  const auto& board = setup->board;
+  const bool shows_grey = board && board->machine && board->machine->panel.grey.has_grey();
   if (options.job.json || !options.job.quiet) {
     const auto written =
-        options.job.json ? write_findings_json(*masks, policy) : write_findings(*masks, options, policy);
+        options.job.json ? write_findings_json(*masks, policy) : write_findings(*masks, shows_grey, options, policy);
     if (!written) return report_error(written.error());
   }
   const auto judged = judge(masks->findings, masks->grid, policy);

@@ -205,7 +205,7 @@ Expected<Printable> read_archive(const PrintOptions& options, const JobSetup& se
   Arena& arena = terminal.arena();
   const std::string name = path.substr(path.rfind('/') + 1);
   const ArchiveTarget target{printer_volume(printer.board), static_cast<double>(setup.placement.layer_height_mm),
-                             profile.peel};
+                             profile.peel, printer.machine.panel.grey.has_grey()};
   const int file = archive->file.get();
   const auto sliced = check_archive(file, name, target, arena, &terminal.progress());
   PLUMBLINE_TRY(sliced);

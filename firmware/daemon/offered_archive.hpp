@@ -19,13 +19,15 @@ namespace plumbline::firmware {
 class OfferedArchiveMasks final : public OfferedMasks {
  public:
   /// Takes two masks from the bottom of the arena, and what the decoder needs from its top.
-  /// @param file     the archive's descriptor; must stay open
-  /// @param sliced   must outlive it, as must the decoder and the arena
+  /// @param file        the archive's descriptor; must stay open
+  /// @param sliced      must outlive it, as must the decoder and the arena
+  /// @param shows_grey  the panel does, as when the archive was checked
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<std::unique_ptr<OfferedArchiveMasks>> create(int file, std::string_view name,
                                                                              const SlicedArchive& sliced,
                                                                              const PrintPlan& plan,
-                                                                             ChildLayerDecoder& decoder, Arena& arena);
+                                                                             ChildLayerDecoder& decoder,
+                                                                             bool shows_grey, Arena& arena);
   ~OfferedArchiveMasks() override;
   OfferedArchiveMasks(const OfferedArchiveMasks&) = delete;
   OfferedArchiveMasks& operator=(const OfferedArchiveMasks&) = delete;
@@ -63,6 +65,7 @@ class OfferedArchiveMasks final : public OfferedMasks {
   ArenaScope top_;
   std::optional<Decoded> decoded_;
   std::optional<MaskRenderer> masks_;
+  GreyRuns greys_;  ///< of the decoded layer: only for its hash
   BitImage mask_;
   std::optional<std::uint32_t> asked_;  ///< the layer that the child decodes
   HostClock::time_point asked_at_;

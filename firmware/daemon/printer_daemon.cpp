@@ -320,7 +320,8 @@ Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, JobStore
       name, sliced->grid, sliced->findings, job.profile,
       [&](const PrintProfile& changed) { return contract_of(*sliced, changed, settings_.machine); },
       [&](const PrintPlan& plan) {
-        return OfferedArchiveMasks::create(archive.file.get(), name, *sliced, plan, decoder_, arena_);
+        return OfferedArchiveMasks::create(archive.file.get(), name, *sliced, plan, decoder_,
+                                           settings_.machine.panel.grey.has_grey(), arena_);
       });
   PLUMBLINE_TRY(contract);
   if (!*contract) return std::nullopt;

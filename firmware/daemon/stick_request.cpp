@@ -63,6 +63,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
                           job.title().c_str()));
     }
     request.archive.ask = ArchiveRequest::Ask::kCheck;
+    request.archive.shows_grey = daemon.machine.panel.grey.has_grey();
     request.settings.supports.reset();
   }
   PLUMBLINE_TRY(plan_print(profile, daemon.machine, profile.layer_height, 1));

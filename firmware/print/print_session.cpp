@@ -70,7 +70,7 @@ Status PrintSession::make_ready() {
   run_ = *run;
   if (what_.parts.is_archive()) {
     auto layers = ArchiveMasks::create(what_.archive.get(), view(what_.facts.scan), grid(), what_.parts.archive,
-                                       what_.facts.turn, *decoder_, arena_);
+                                       what_.facts.turn, *decoder_, machine_.panel.grey.has_grey(), arena_);
     PLUMBLINE_TRY(layers);
     source_ = std::move(*layers);
   } else {

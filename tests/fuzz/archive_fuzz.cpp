@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware/archive/layer_archive.hpp"
+#include "firmware/child/answer_check.hpp"
 #include "firmware/io/descriptor.hpp"
 #include "firmware/print/job/archive_glance.hpp"
 #include "tests/fuzz/edits.hpp"
@@ -110,14 +111,20 @@ void check(std::span<const std::uint8_t> bytes) {
   if (archive->columns() > kMostSide || archive->rows() > kMostSide) return;
   std::vector<std::uint64_t> words(BitImage::words_needed(archive->columns(), archive->rows()));
   const BitImage mask(words, archive->columns(), archive->rows());
+  std::vector<GreyRun> room(GreyRuns::runs_needed(mask.columns(), mask.rows()));
+  GreyRuns greys(room, mask.columns());
   for (std::size_t k = 0; k < std::min<std::size_t>(layers.size(), 4); ++k) {
     const bool first = archive->read(layers[k], mask).has_value();
     const std::vector<std::uint64_t> before = words;
-    const bool again = read_archive_layer(file.get(), "part.sl1", layers[k], archive->turn(), mask).has_value();
+    const bool again = read_archive_layer(file.get(), "part.sl1", layers[k], archive->turn(), mask, &greys).has_value();
     require(first == again && (!first || before == words), "two decodings differ");
     for (std::uint32_t r = 0; first && r < mask.rows(); ++r) {
       require((mask.row(r).back() & ~mask.last_word_mask()) == 0, "a pixel outside the mask");
     }
+    std::vector<GreyRun> checked(room.size());
+    GreyRuns taken(checked, mask.columns());
+    require(!again || take_checked_greys(greys.runs(), greys.runs().size(), mask.columns(), mask.rows(), taken),
+            "grey pixels that can't be");
   }
 }
 

@@ -260,7 +260,8 @@ function showFacts() {
     const sides = [sliced.width_mm, sliced.depth_mm, sliced.height_mm].map((side) => number(side, 1)).join(" × ");
     rows.push([words.size, `${sides} mm`], [words.layers, `${sliced.layers} × ${number(sliced.layer_height_mm, 3)} mm`]);
     if (sliced.points_off_percent >= 0.1) rows.push([words.pointsOff, `${number(sliced.points_off_percent, 1)} %`]);
-    if (sliced.grey_percent) rows.push([words.grey, `${number(sliced.grey_percent, 1)} %, ${number(sliced.grey_lost_percent, 1)} % ${words.vanish}`]);
+    const vanish = sliced.shows_grey ? "" : `, ${number(sliced.grey_lost_percent, 1)} % ${words.vanish}`;
+    if (sliced.grey_percent) rows.push([words.grey, `${number(sliced.grey_percent, 1)} %${vanish}`]);
     if (!progress) rows.push([words.time, duration(sliced.time_s)], [words.resin, `${number(sliced.resin_ml, 1)} ml`]);
   }
   if (progress) {

@@ -105,7 +105,8 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
   contract.first_cure_depth = cure_depth(profile, light, plan->initial_exposure);
   contract.is_archive = subject.is_archive;
   contract.grey = subject.grey;
-  contract.grey_lost = subject.grey_lost;
+  contract.shows_grey = machine.panel.grey.has_grey();
+  contract.grey_lost = contract.shows_grey ? 0 : subject.grey_lost;
   const auto doubt = [&contract](Doubt about, bool is_doubtful) {
     const unsigned bit = is_doubtful ? 1U << static_cast<unsigned>(about) : 0U;
     contract.doubts = static_cast<std::uint8_t>(contract.doubts | bit);
@@ -115,7 +116,7 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
         is_silent(contract, PrintKey::kExposureTime) || is_silent(contract, PrintKey::kInitialExposureTime));
   contract.proof = subject.proof;
   doubt(Doubt::kPoints, contract.proof.is_doubtful());
-  doubt(Doubt::kGrey, contract.grey > kMostGrey);
+  doubt(Doubt::kGrey, contract.grey > kMostGrey && !contract.shows_grey);
   return contract;
 }
 
@@ -129,6 +130,7 @@ void write_contract(JsonWriter& json, const Contract& contract) {
   json.member("points_off_percent", thousandths(100 * contract.proof.share_off()));
   json.member("grey_percent", thousandths(100 * contract.grey));
   json.member("grey_lost_percent", thousandths(100 * contract.grey_lost));
+  json.member("shows_grey", contract.shows_grey);
   json.member("resin_ml", thousandths(contract.resin_ml));
   json.member("time_s", contract.time);
   constexpr double kDigits = 1e6;
@@ -201,8 +203,10 @@ void for_each_contract_line(const Contract& contract, const std::function<void(s
              contract.rotation_deg[2]);
   }
   if (contract.grey > 0) {
-    size.add(", %.3g %% of its area grey, of which %.3g %% vanish", 100 * contract.grey,
-             100 * contract.grey_lost / contract.grey);
+    size.add(", %.3g %% of its area grey", 100 * contract.grey);
+    if (!contract.shows_grey) {
+      size.add(": the panel shows black or white, so %.3g %% of the area vanishes", 100 * contract.grey_lost);
+    }
   }
   say(size.view());
   if (contract.sizes.any()) say("corrected  " + std::string(contract.sizes.text().view()));

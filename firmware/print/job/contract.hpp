@@ -27,7 +27,7 @@ enum class Doubt : std::uint8_t {
   kLayerHeight,  ///< the archive does not say how high its layers are
   kExposure,     ///< nor how long they are exposed
   kPoints,       ///< more than PointProof::kMostUsual of the scan's points lie off what its masks show
-  kGrey,         ///< more than kMostGrey of its pixels are grey, which this printer makes white or black
+  kGrey,         ///< more than kMostGrey of its pixels are grey, and the panel makes them white or black
 };
 inline constexpr std::size_t kDoubtCount = 4;
 /// Share of an archive's pixels that may be grey without a question.
@@ -38,13 +38,14 @@ struct Contract {
   PrintPlan plan;
   std::array<ValueSource, kPrintKeyCount> sources{};  ///< of the plan's values, by PrintKey
   bool is_archive = false;                            ///< another slicer has made the masks
+  bool shows_grey = false;                            ///< the panel does
   std::uint8_t doubts = 0;                            ///< bits by Doubt
   double width_mm = 0, depth_mm = 0, height_mm = 0;   ///< of what is printed, with what holds it up
   std::array<double, 3> rotation_deg{};               ///< about x, then y, then z: as it was asked for
   bool best_way_up = false;                           ///< the printer has looked for the rotation
   SizeCorrections sizes;                              ///< of a scan; the plan's lengths are the machine's
   double grey = 0;                                    ///< share of an archive's pixels above black that are not white,
-  double grey_lost = 0;                               ///< and of those that become black; the others become white
+  double grey_lost = 0;                               ///< and of those that become black; 0 if the panel shows grey
   PointProof proof;                                   ///< of a scan
   double resin_ml = 0;
   std::chrono::seconds time{};
@@ -61,7 +62,7 @@ struct ContractSubject {
   std::uint64_t cured_pixels = 0;        ///< of all masks together
   std::uint64_t first_layer_pixels = 0;  ///< of the first one
   bool is_archive = false;
-  double grey = 0, grey_lost = 0;  ///< as Contract has them
+  double grey = 0, grey_lost = 0;  ///< as Contract has them for a panel without grey
   PointProof proof{};
   std::array<double, 3> rotation_deg{};
   bool best_way_up = false;

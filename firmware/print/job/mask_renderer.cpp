@@ -55,7 +55,7 @@ std::size_t MaskRenderer::bytes_needed(const PrintGrid& grid) {
   return Arena::rounded(3 * BitImage::words_needed(grid.columns, 1) * sizeof(std::uint64_t));
 }
 
-Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, BitImage out) {
+Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, BitImage out, GreyRuns* greys) {
   using HostClock = std::chrono::steady_clock;
   MaskFacts facts;
   const auto start = HostClock::now();
@@ -71,8 +71,10 @@ Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, BitImage out) {
   if (steps > 0) {
     erode(out, steps, rows_);
     facts.making += HostClock::now() - copied;
+  } else if (greys != nullptr) {
+    for (const GreyRun& run : source_->greys()) greys->add(run);
   }
-  facts.hash = mask_hash(out);
+  facts.hash = mask_hash(out, greys != nullptr ? greys->runs() : std::span<const GreyRun>());
   facts.pixels = ConstBitImage(out).count();
   return facts;
 }

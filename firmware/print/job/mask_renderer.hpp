@@ -32,9 +32,10 @@ class MaskRenderer {
   const PrintGrid& grid() const { return source_->grid(); }
 
   /// Draws the mask of a layer. Layers in ascending order cost least.
-  /// @param out  of the grid's columns and rows; every word is written
+  /// @param out    of the grid's columns and rows; every word is written
+  /// @param greys  null, or empty: gets the grey pixels of the mask. A layer whose outline is moved inwards has none
   /// @retval any error of the source
-  [[nodiscard]] Expected<MaskFacts> render(std::uint32_t layer, BitImage out);
+  [[nodiscard]] Expected<MaskFacts> render(std::uint32_t layer, BitImage out, GreyRuns* greys = nullptr);
 
  private:
   MaskRenderer(MaskSource& source, const PrintPlan& plan, std::span<std::uint64_t> rows)

@@ -4,18 +4,27 @@
 
 namespace plumbline::firmware {
 
+Expected<GreyRuns> take_greys(const PrintGrid& grid, bool shows_grey, Arena& arena) {
+  if (!shows_grey) return GreyRuns();
+  const auto room = arena.take_bottom<GreyRun>(GreyRuns::runs_needed(grid.columns, grid.rows), "grey pixels");
+  PLUMBLINE_TRY(room);
+  return GreyRuns(*room, grid.columns);
+}
+
 Expected<ArchiveMasks> ArchiveMasks::create(int file, std::string_view name, const PrintGrid& grid,
                                             std::span<const ArchiveLayer> layers, const MaskTurn& turn,
-                                            LayerDecoder& decoder, Arena& arena) {
-  PLUMBLINE_TRY(decoder.prepare(grid, arena));
+                                            LayerDecoder& decoder, bool shows_grey, Arena& arena) {
+  PLUMBLINE_TRY(decoder.prepare(grid, shows_grey, arena));
   const auto words = arena.take_bottom<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), "masks");
   PLUMBLINE_TRY(words);
-  return ArchiveMasks(file, name, grid, layers, turn, decoder, BitImage(*words, grid.columns, grid.rows));
+  const auto greys = take_greys(grid, shows_grey, arena);
+  PLUMBLINE_TRY(greys);
+  return ArchiveMasks(file, name, grid, layers, turn, decoder, BitImage(*words, grid.columns, grid.rows), *greys);
 }
 
 Expected<ConstBitImage> ArchiveMasks::mask(std::uint32_t layer) {
-  PLUMBLINE_TRY(decoder_->decode(file_, name_, layers_[layer], turn_, image_));
-  if (mask_hash(image_) != layers_[layer].hash) {
+  PLUMBLINE_TRY(decoder_->decode(file_, name_, layers_[layer], turn_, image_, greys_));
+  if (mask_hash(image_, greys_.runs()) != layers_[layer].hash) {
     return fail(ErrorCode::kMalformed, "%s: layer %u is not as it was when the print was checked", name_.c_str(),
                 layer + 1);
   }

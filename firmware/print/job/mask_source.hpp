@@ -9,6 +9,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/grey_runs.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 
@@ -22,6 +23,8 @@ class MaskSource {
   /// @param layer  below grid().layers
   /// @returns a view, valid until the next call
   [[nodiscard]] virtual Expected<ConstBitImage> mask(std::uint32_t layer) = 0;
+  /// The grey pixels of the mask that was given last, valid as long as that.
+  virtual std::span<const GreyRun> greys() const { return {}; }
 };
 
 /// The masks of an R-Rep.
@@ -40,43 +43,58 @@ class LayerDecoder {
  public:
   virtual ~LayerDecoder() = default;
   /// Called once before the first decode() of a print.
-  /// @param arena  what it needs is taken from the top
-  [[nodiscard]] virtual Status prepare(const PrintGrid& /*grid*/, Arena& /*arena*/) { return {}; }
-  /// @param file  the archive's descriptor
-  /// @param out   overwritten, also after an error
+  /// @param shows_grey  the panel does, so decode() is asked for greys
+  /// @param arena       what it needs is taken from the top
+  [[nodiscard]] virtual Status prepare(const PrintGrid& /*grid*/, bool /*shows_grey*/, Arena& /*arena*/) { return {}; }
+  /// @param file   the archive's descriptor
+  /// @param out    overwritten, also after an error
+  /// @param greys  becomes the grey pixels of `out`, as many as it has room for
   /// @retval any error of read_archive_layer()
   [[nodiscard]] virtual Status decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
-                                      BitImage out) = 0;
+                                      BitImage out, GreyRuns& greys) = 0;
 };
 
 /// In this process.
 class OwnLayerDecoder final : public LayerDecoder {
  public:
-  Status decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
-                BitImage out) override {
-    return read_archive_layer(file, name, layer, turn, out);
+  Status decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn, BitImage out,
+                GreyRuns& greys) override {
+    return read_archive_layer(file, name, layer, turn, out, &greys);
   }
 };
 
+/// Room for the grey pixels of a mask, at the bottom of the arena; none if the panel shows none.
+/// @retval ErrorCode::kOutOfMemory
+[[nodiscard]] Expected<GreyRuns> take_greys(const PrintGrid& grid, bool shows_grey, Arena& arena);
+
 class ArchiveMasks final : public MaskSource {
  public:
-  /// Takes a mask from the bottom of the arena.
-  /// @param file     a descriptor; must stay open
-  /// @param layers   with their hashes; must outlive this, as must the decoder
+  /// Takes a mask from the bottom of the arena, and room for its greys.
+  /// @param file        a descriptor; must stay open
+  /// @param layers      with their hashes; must outlive this, as must the decoder
+  /// @param shows_grey  the panel does, as it did when the layers were hashed
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<ArchiveMasks> create(int file, std::string_view name, const PrintGrid& grid,
                                                      std::span<const ArchiveLayer> layers, const MaskTurn& turn,
-                                                     LayerDecoder& decoder, Arena& arena);
+                                                     LayerDecoder& decoder, bool shows_grey, Arena& arena);
 
   const PrintGrid& grid() const override { return grid_; }
   /// @retval any error of the decoder
   /// @retval ErrorCode::kMalformed  the mask is not the one that was checked
   Expected<ConstBitImage> mask(std::uint32_t layer) override;
+  std::span<const GreyRun> greys() const override { return greys_.runs(); }
 
  private:
   ArchiveMasks(int file, std::string_view name, const PrintGrid& grid, std::span<const ArchiveLayer> layers,
-               const MaskTurn& turn, LayerDecoder& decoder, BitImage image)
-      : file_(file), name_(name), grid_(grid), layers_(layers), turn_(turn), decoder_(&decoder), image_(image) {}
+               const MaskTurn& turn, LayerDecoder& decoder, BitImage image, const GreyRuns& greys)
+      : file_(file),
+        name_(name),
+        grid_(grid),
+        layers_(layers),
+        turn_(turn),
+        decoder_(&decoder),
+        image_(image),
+        greys_(greys) {}
 
   int file_;
   std::string name_;
@@ -85,6 +103,7 @@ class ArchiveMasks final : public MaskSource {
   MaskTurn turn_;
   LayerDecoder* decoder_;
   BitImage image_;
+  GreyRuns greys_;
 };
 
 }  // namespace plumbline::firmware

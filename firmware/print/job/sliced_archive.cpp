@@ -19,7 +19,7 @@
 namespace plumbline::firmware {
 namespace {
 
-Status check_layers(LayerArchive& archive, const CheckLimits& limits, SlicedArchive& sliced,
+Status check_layers(LayerArchive& archive, const CheckLimits& limits, bool shows_grey, SlicedArchive& sliced,
                     std::span<ArchiveLayer> layers, Arena& arena, ProgressSink* progress) {
   const PrintGrid& grid = sliced.grid;
   StageMemory memory;
@@ -30,6 +30,9 @@ Status check_layers(LayerArchive& archive, const CheckLimits& limits, SlicedArch
   PLUMBLINE_TRY(two);
   BitImage mask(two->first(words), grid.columns, grid.rows), below(two->last(words), grid.columns, grid.rows);
   below.clear();
+  const auto room = arena.take_top<GreyRun>(shows_grey ? GreyRuns::runs_needed(grid.columns, grid.rows) : 0, "masks");
+  PLUMBLINE_TRY(room);
+  GreyRuns greys(*room, grid.columns);
   auto checker = StackChecker::create(grid, limits, arena);
   PLUMBLINE_TRY(checker);
   LayerCrossings crossings = LayerCrossings::make(grid, arena);
@@ -38,8 +41,8 @@ Status check_layers(LayerArchive& archive, const CheckLimits& limits, SlicedArch
       return fail(ErrorCode::kCancelled, "stopped while the layers were checked, at layer %u of %u", layer,
                   grid.layers);
     }
-    PLUMBLINE_TRY(archive.read(layers[layer], mask, &sliced.grey));
-    layers[layer].hash = mask_hash(mask);
+    PLUMBLINE_TRY(archive.read(layers[layer], mask, &sliced.grey, &greys));
+    layers[layer].hash = mask_hash(mask, greys.runs());
     checker->next(mask);
     sliced.extent.hold(mask);
     crossings.next(layer, mask, below);
@@ -117,7 +120,8 @@ Expected<SlicedArchive> check_archive(int file, std::string_view name, const Arc
   PLUMBLINE_TRY(layers);
   sliced.layers_end = arena.bottom_mark();
   PLUMBLINE_TRY(archive->list(*layers));
-  PLUMBLINE_TRY(check_layers(*archive, check_limits(placement, target.peel, 0), sliced, *layers, arena, progress));
+  PLUMBLINE_TRY(check_layers(*archive, check_limits(placement, target.peel, 0), target.shows_grey, sliced, *layers,
+                             arena, progress));
   sliced.layers = *layers;
   return sliced;
 }

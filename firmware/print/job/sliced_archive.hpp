@@ -38,6 +38,7 @@ struct ArchiveTarget {
   PrinterVolume printer;
   double layer_height_mm = 0;  ///< if the archive does not say
   PeelSettings peel;           ///< of the resin: for the checks
+  bool shows_grey = false;     ///< the panel does: grey pixels are hashed, too
 };
 
 /// Whether an archive is for the printer's panel. One that lies across it is turned by 90 degrees.

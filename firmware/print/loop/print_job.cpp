@@ -393,7 +393,7 @@ Status PrintJob::render(std::uint32_t layer) {
   ready_.reset();
   auto buffer = machine_.mask.lend();
   PLUMBLINE_TRY(buffer);
-  const auto facts = masks_.render(layer, buffer->image());
+  const auto facts = masks_.render(layer, buffer->image(), &buffer->greys());
   PLUMBLINE_TRY(facts);
   ready_.emplace(ReadyMask{layer, *facts, std::move(*buffer)});
   return {};

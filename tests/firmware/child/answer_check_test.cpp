@@ -236,6 +236,34 @@ TEST_F(AnswerCheck, BelievesNoErrorThatAScanCanNotCause) {
   EXPECT_EQ(error_of(ErrorCode::kMalformed, "").code(), ErrorCode::kMalformed);
 }
 
+TEST(GreyAnswerCheck, TakesRunsThatLieInTheImageInOrder) {
+  constexpr std::uint32_t kColumns = 50, kRows = 10;
+  std::vector<GreyRun> room(8);
+  GreyRuns greys(room, kColumns);
+  const std::vector<GreyRun> good = {{0, 50, 1}, {50, 3, 254}, {53, 1, 7}, {499, 1, 100}};
+  ASSERT_TRUE(take_checked_greys(good, good.size(), kColumns, kRows, greys));
+  EXPECT_TRUE(std::ranges::equal(greys.runs(), good));
+  ASSERT_TRUE(take_checked_greys(good, 2, kColumns, kRows, greys));
+  EXPECT_EQ(greys.runs().size(), 2U);
+  ASSERT_TRUE(take_checked_greys({}, 0, kColumns, kRows, greys));
+  EXPECT_TRUE(greys.empty());
+
+  const auto refuses = [&](const char* words, std::vector<GreyRun> runs, std::uint64_t count) {
+    const auto taken = take_checked_greys(runs, count, kColumns, kRows, greys);
+    ASSERT_FALSE(taken) << words;
+    EXPECT_EQ(taken.error().code(), ErrorCode::kMalformed);
+    EXPECT_THAT(taken.error().message(), HasSubstr(std::string("(") + words + ")"));
+  };
+  refuses("number of grey pixels", good, 5);
+  refuses("number of grey pixels", good, ~std::uint64_t{0});
+  for (const GreyRun& bad : {GreyRun{0, 0, 9}, GreyRun{0, 51, 9}, GreyRun{40, 11, 9}, GreyRun{500, 1, 9},
+                             GreyRun{0xFFFFFFFF, 1, 9}, GreyRun{7, 1, 0}, GreyRun{7, 1, 255}}) {
+    refuses("grey pixels", {bad}, 1);
+  }
+  refuses("grey pixels", {{10, 5, 9}, {14, 1, 9}}, 2);
+  refuses("grey pixels", {{10, 5, 9}, {2, 1, 9}}, 2);
+}
+
 /// A real child's answer about an archive, and the memory it left.
 class ArchiveAnswerCheck : public ChildTest {
  protected:

@@ -491,11 +491,12 @@ TEST_F(StoppedTemplate, EndsTheDecodingOfALayer) {
   PrintGrid grid;
   grid.columns = small_printer().columns;
   grid.rows = small_printer().rows;
-  ASSERT_TRUE(decoder.prepare(grid, arena));
+  ASSERT_TRUE(decoder.prepare(grid, false, arena));
   std::vector<std::uint64_t> words(BitImage::words_needed(grid.columns, grid.rows));
   ASSERT_EQ(::kill(child.template_process(), SIGSTOP), 0);
   const auto began = std::chrono::steady_clock::now();
-  const auto decoded = decoder.decode(archive.get(), "any", {}, {}, BitImage(words, grid.columns, grid.rows));
+  GreyRuns greys;
+  const auto decoded = decoder.decode(archive.get(), "any", {}, {}, BitImage(words, grid.columns, grid.rows), greys);
   EXPECT_LT(since(began), 5s);
   ASSERT_FALSE(decoded);
   EXPECT_EQ(decoded.error().code(), ErrorCode::kDeviceTimeout) << "no fault of the archive";

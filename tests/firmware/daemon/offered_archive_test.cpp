@@ -28,7 +28,10 @@ void draw_stripe(std::uint32_t layer, BitImage mask) {
   for (std::uint32_t row = 0; row < 10 * (layer + 1); ++row) mask.row(100 + row)[1] = ~std::uint64_t{0};
 }
 
-/// Says at some layers that it is another one, or never ends.
+/// Beside it, of each row of 403 pixels: 20 of a grey that is too weak to cure alone.
+constexpr std::uint8_t kStripesLevel = 100;
+
+/// Says at some layers that it is another one or has any number of greys, or never ends.
 void unreliable_task(SharedMemory& memory, std::uint32_t threads) {
   const ArchiveRequest& request = memory.page().request.archive;
   const bool one = request.ask == ArchiveRequest::Ask::kLayer;
@@ -39,6 +42,7 @@ void unreliable_task(SharedMemory& memory, std::uint32_t threads) {
   run_archive_task(memory, threads);
   if (one && request.layer.number % 5 == 3)
     memory.arena()[static_cast<std::size_t>(request.mask_at) + 100] ^= std::byte{4};
+  if (one && request.layer.number % 5 == 0) memory.page().answer.greys = ~std::uint64_t{0};
 }
 
 class OfferedArchiveTest : public ChildTest {
@@ -48,6 +52,7 @@ class OfferedArchiveTest : public ChildTest {
     write_archive(path);
     ScanRequest request = request_of(path, 1);
     request.archive.ask = ArchiveRequest::Ask::kCheck;
+    request.archive.shows_grey = true;
     EXPECT_EQ(run(child_, request, path), 0);
     sliced_ = check_archive_answer(child_.answer(), request, arena_).value();
     file_ = Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -62,17 +67,24 @@ class OfferedArchiveTest : public ChildTest {
     const PrinterVolume printer = small_printer();
     std::vector<std::uint64_t> words(BitImage::words_needed(printer.columns, printer.rows));
     const BitImage mask(words, printer.columns, printer.rows);
-    auto encoder = PngEncoder::for_masks(printer.columns, printer.rows).value();
+    std::vector<std::uint8_t> levels(picture_bytes(printer.columns, printer.rows, 1));
+    auto encoder = PictureEncoder::create(levels.size()).value();
     for (std::uint32_t k = 0; k < kLayers; ++k) {
       draw_stripe(k, mask);
-      EXPECT_TRUE(zip.add(("part" + std::to_string(100 + k) + ".png").c_str(), encoder.encode(mask),
-                          ZipWriter::Packing::kStore));
+      for (std::uint32_t row = 0; row < printer.rows; ++row) {
+        for (std::uint32_t column = 0; column < printer.columns; ++column) {
+          const bool grey = mask.row(row)[1] != 0 && column >= 128 && column < 148;
+          levels[row * printer.columns + column] = mask.at(column, row) ? 255 : grey ? kStripesLevel : 0;
+        }
+      }
+      EXPECT_TRUE(zip.add(("part" + std::to_string(100 + k) + ".png").c_str(),
+                          encoder.encode(levels, printer.columns, printer.rows, 1), ZipWriter::Packing::kStore));
     }
     EXPECT_TRUE(zip.finish());
   }
 
   std::unique_ptr<OfferedArchiveMasks> offer() {
-    auto made = OfferedArchiveMasks::create(file_.get(), "part.sl1", sliced_, plan_, decoder_, arena_);
+    auto made = OfferedArchiveMasks::create(file_.get(), "part.sl1", sliced_, plan_, decoder_, true, arena_);
     EXPECT_TRUE(made) << made.error().message();
     return std::move(*made);
   }
@@ -136,6 +148,26 @@ TEST_F(OfferedArchiveTest, CanBeEndedWhileAChildWorks) {
   EXPECT_EQ(ask(*masks, 2), "") << "no child is left";
 }
 
+TEST_F(OfferedArchiveTest, DecodesGreyAsItsChildHasCheckedIt) {
+  EXPECT_EQ(sliced_.grey, (GreyShare{84 * 150, 20 * 150, 20 * 150}));
+  auto masks =
+      ArchiveMasks::create(file_.get(), "part.sl1", sliced_.grid, sliced_.layers, sliced_.turn, decoder_, true, arena_);
+  ASSERT_TRUE(masks) << masks.error().message();
+  for (const std::uint32_t layer : {0U, 3U}) {
+    const auto mask = masks->mask(layer);
+    ASSERT_TRUE(mask) << mask.error().message();
+    EXPECT_EQ(mask->count(), 64U * 10 * (layer + 1));
+    ASSERT_EQ(masks->greys().size(), 10 * (layer + 1));
+    for (std::uint32_t row = 0; row < masks->greys().size(); ++row) {
+      EXPECT_EQ(masks->greys()[row], (GreyRun{(100 + row) * sliced_.grid.columns + 128, 20, kStripesLevel}));
+    }
+  }
+  auto black_or_white = ArchiveMasks::create(file_.get(), "part.sl1", sliced_.grid, sliced_.layers, sliced_.turn,
+                                             decoder_, false, arena_);
+  ASSERT_TRUE(black_or_white);
+  EXPECT_FALSE(black_or_white->mask(0)) << "it was checked for a panel with grey";
+}
+
 class BadChildren : public OfferedArchiveTest {
  protected:
   BadChildren() : OfferedArchiveTest(unreliable_task) {}
@@ -146,6 +178,7 @@ TEST_F(BadChildren, AreErrorsOfTheirLayersOnly) {
   EXPECT_EQ(ask(*masks, 4), "");
   EXPECT_THAT(ask(*masks, 2), HasSubstr("decoding it failed"));
   EXPECT_THAT(ask(*masks, 3), HasSubstr("layer 4 is not as it was when the print was checked"));
+  EXPECT_THAT(ask(*masks, 0), HasSubstr("does not add up (number of grey pixels)"));
   EXPECT_EQ(ask(*masks, 4), "");
   EXPECT_TRUE(shows(4));
   EXPECT_FALSE(masks->draw(1, *picture_).value());

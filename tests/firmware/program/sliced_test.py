@@ -13,6 +13,8 @@ import zlib
 
 from case import SIM2K, Program, confirm_plate, main, on_stick_printer
 
+MONO2K = SIM2K.with_name("mono2k.toml")  # the same panel without grey
+
 
 def write_ell(path, height=2.0):
     """An L with a long and a short leg, so that no mirror image or turn of it is the same: 20 x 10 mm."""
@@ -159,8 +161,28 @@ class Printed(Sliced):
         part = self.pack({f"{k}.png": png(1440, 2560, row * 2560) for k in (1, 2)})
         told = json.loads(self.run_it("check", part, "--printer", SIM2K, "--json").stdout)["grey"]
         self.assertEqual(told, {"lit_pixels": 400 * 5120, "grey_pixels": 120 * 5120, "lost_pixels": 100 * 5120})
-        text = self.run_it("check", part, "--printer", SIM2K).stdout
+        text = self.run_it("check", part, "--printer", MONO2K).stdout
         self.assertIn("30.0 % of the area is neither black nor white: 25.0 % becomes black, 5.0 % white", text)
+        self.assertIn("30.0 % of the area is neither black nor white\n", self.run_it("check", part, "--printer", SIM2K).stdout)
+
+    def test_grey_cures_on_a_panel_that_shows_it(self):
+        """A square of 200 pixels, and beside it 50 columns each of 120 and 60 of 255: of 8.75 mJ/cm2, with 3.2 to cure, 4.1 and 2.1."""
+        row = b"\0" + bytes(500) + b"\xff" * 200 + b"\x78" * 50 + b"\x3c" * 50 + bytes(640)
+        layer = png(1440, 2560, bytes(1441) * 1000 + row * 200 + bytes(1441) * 1360)
+        ini = "exposure_time = 2.5\ninitial_exposure_time = 2.5\nfaded_layers = 3\nlayer_height = 0.05\n"
+        part = self.pack({f"{k:02}.png": layer for k in range(12)}, ini)
+        hashes = {}
+        for printer, columns in ((SIM2K, 250), (MONO2K, 200)):
+            kept = self.dir / printer.stem
+            done = self.run_it("print", part, "--printer", printer, "--simulate", "--accept", "--keep-part", kept, "--report", self.report)
+            contract = json.loads(self.report.read_text())["contract"]
+            self.assertEqual((contract["grey_percent"], contract["shows_grey"]), (33.333, printer == SIM2K))
+            self.assertEqual(contract["grey_lost_percent"], 0 if printer == SIM2K else 33.333)
+            self.assertEqual("33.3 % of its area grey: the panel shows black or white, so 33.3 % of the area vanishes" in done.stderr, printer == MONO2K)
+            cured = json.loads(self.run_it("check", kept / "layers", "--printer", SIM2K, "--json").stdout)
+            self.assertAlmostEqual(cured["volume_ml"], columns * 200 * 12 * 0.04725**2 * 0.05 / 1000, 4)
+            hashes[printer] = [line["mask_hash"] for line in exposures(self.report)]
+        self.assertNotEqual(hashes[SIM2K], hashes[MONO2K])
 
     def test_masks_across_the_panel_are_turned_and_not_mirrored(self):
         """An L on a panel of 2560 x 1440, as the printer's own and as PrusaSlicer's SL1 has it."""

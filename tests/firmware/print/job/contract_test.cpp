@@ -50,6 +50,12 @@ std::vector<std::string> doubts_in(const Contract& contract) {
   return all;
 }
 
+std::string lines_of(const Contract& contract) {
+  std::string all;
+  for_each_contract_line(contract, [&all](std::string_view line) { all.append(line).append("\n"); });
+  return all;
+}
+
 TEST(Contract, ShowsTheValuesThatThePlanCarriesOut) {
   PrintProfile profile = standard_profile();
   // A different value for each field, in the middle of its range, so that no two can be taken for each other.
@@ -116,12 +122,18 @@ TEST(Contract, AsksAboutGreyThatMatters) {
   for (const PrintKey key : {PrintKey::kLayerHeight, PrintKey::kExposureTime, PrintKey::kInitialExposureTime}) {
     said.sources[index_of(key)] = ValueSource::kArchive;
   }
+  MachineFile black_or_white = sim2k();
+  black_or_white.panel.grey = {};
   ContractSubject grey = an_archive();
   grey.grey = 0.009;
-  EXPECT_THAT(doubts_in(*make_contract(said, sim2k(), grey)), IsEmpty());
+  EXPECT_THAT(doubts_in(*make_contract(said, black_or_white, grey)), IsEmpty());
   grey.grey = 0.52;
   grey.grey_lost = 0.5;
-  EXPECT_THAT(doubts_in(*make_contract(said, sim2k(), grey)),
+  EXPECT_THAT(doubts_in(*make_contract(said, sim2k(), grey)), IsEmpty()) << "its panel shows grey";
+  EXPECT_THAT(lines_of(*make_contract(said, sim2k(), grey)), HasSubstr(", 52 % of its area grey\n"));
+  EXPECT_THAT(lines_of(*make_contract(said, black_or_white, grey)),
+              HasSubstr(", 52 % of its area grey: the panel shows black or white, so 50 % of the area vanishes\n"));
+  EXPECT_THAT(doubts_in(*make_contract(said, black_or_white, grey)),
               ElementsAre("52 % of the area of part.zip is grey: 50 % vanishes, the rest cures as white"));
 }
 
@@ -135,9 +147,7 @@ TEST(Contract, LinesGiveEachValueWithItsUnitAndSource) {
   PrintProfile profile = standard_profile();
   set_value(profile, kPrintFields[index_of(PrintKey::kExposureTime)], 3.5, ValueSource::kPerson);
   set_value(profile, kPrintFields[index_of(PrintKey::kLayerHeight)], 0.05, ValueSource::kArchive);
-  std::string all;
-  for_each_contract_line(*make_contract(profile, sim2k(), an_archive()),
-                         [&all](std::string_view line) { all.append(line).append("\n"); });
+  const std::string all = lines_of(*make_contract(profile, sim2k(), an_archive()));
   EXPECT_THAT(all, HasSubstr("1.0 x 0.5 x 2.0 mm, 40 layers, 0.0 ml"));
   EXPECT_THAT(all, HasSubstr("layer_height 0.05 mm, initial_layer_height 0.05 mm (archive)"));
   EXPECT_THAT(all,
