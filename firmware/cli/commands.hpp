@@ -62,6 +62,7 @@ struct PrintOptions {
   bool resume = false;       ///< the print in `state`
   bool plate_empty = false;  ///< the user says so
   std::string keep_part;     ///< folder for the part that a simulated printer made; empty: none
+  std::string grey;          ///< of kGreyWords; empty: the profile's
   std::string truth;         ///< closed mesh that the part is measured against; empty: the R-Rep, if the part is kept
   std::string report;        ///< file for the report as JSON; empty: none
   std::string issues;        ///< file for a picture of what the checks found; empty: none

@@ -74,9 +74,10 @@ Status PrintSession::make_ready() {
     PLUMBLINE_TRY(layers);
     source_ = std::move(*layers);
   } else {
-    const auto stream = MaskStream::create(what_.parts.rrep, what_.parts.supports, arena_);
+    const auto stream = StreamMasks::create(what_.parts.rrep, what_.parts.supports, plan().grey,
+                                            plan().layer_height.millimetres(), arena_);
     PLUMBLINE_TRY(stream);
-    source_ = StreamMasks(*stream);
+    source_ = *stream;
   }
   const auto masks = MaskRenderer::create(source(), plan(), arena_);
   PLUMBLINE_TRY(masks);

@@ -31,6 +31,7 @@ std::vector<SettingRule> rules_for(PrintProfile& p, SupportChoice& supports) {
       {"resin", "bottle_cost", &p.bottle_cost, 0, 100000, "", kOptional},
       {"resin", "bottle_volume", &p.bottle_volume, 1, 100000, " ml", kOptional},
       {"print", "absolute_correction", &p.absolute_correction, -kMostMoved, kMostMoved, " mm", kOptional},
+      {"print", "grey", choice(std::span(kGreyWords), p.grey), 0, 0, "", kOptional},
       {"supports", "supports_enable", &p.supports_enable, 0, 0, "", kOptional},
   };
   for (const PrintField& field : kPrintFields) {
@@ -55,6 +56,9 @@ Expected<PrintProfile> parse_print_profile(std::string_view text, std::string_vi
   choice.stand = profile.supports.stand;  // so that an elevation leaves it to the underside
   const auto rules = rules_for(profile, choice);
   const auto check = [&](const SettingRule& rule) -> std::string {
+    if (rule.key == "grey" && profile.grey != Grey::kOff && !profile.exchange) {
+      return "allowed without exchange in [resin] is off: it says what light cures";
+    }
     if (rule.key == "retract_height2" && profile.retract_height2 > profile.lift_height + profile.lift_height2) {
       return "allowed is at most the whole lift, lift_height + lift_height2";
     }
@@ -104,6 +108,17 @@ double cure_depth_mm(const PrintProfile& profile, double dose_mj_cm2) {
   return profile.penetration_depth * std::log(dose_mj_cm2 / profile.critical_energy);
 }
 
+CureModel cure_model(const PrintProfile& profile, const MachineFile& machine) {
+  if (!profile.exchange) return {};
+  return {.penetration_mm = profile.penetration_depth,
+          .critical_dose = profile.critical_energy,
+          .exchange = *profile.exchange,
+          .dose = machine.power_mw_cm2 * profile.exposure_time,
+          .bottom_dose = machine.power_mw_cm2 * profile.initial_exposure_time,
+          .bottom_layers = profile.bottom_layer_count,
+          .faded_layers = profile.faded_layers};
+}
+
 void correct_sizes(const PrintProfile& profile, const BoardFile& board, SliceSettings& settings) {
   Vec3d by;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -116,20 +131,13 @@ void correct_sizes(const PrintProfile& profile, const BoardFile& board, SliceSet
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings) {
   settings.peel = profile.peel;
   settings.foot = {profile.elefant_foot_compensation, profile.bottom_layer_count, profile.faded_layers};
-  settings.cure = {};
   // The dose of a normal layer; bottom and faded layers get more.
   const double dose = machine.power_mw_cm2 * profile.exposure_time;
+  settings.cure = {};
   if (dose <= 0 || profile.critical_energy <= 0) return;
   const double shrinks = settings.placement.correction[2];  // light goes as deep as the machine measures
-  if (profile.exchange) {
-    settings.cure = {.penetration_mm = profile.penetration_depth / shrinks,
-                     .critical_dose = profile.critical_energy,
-                     .exchange = *profile.exchange,
-                     .dose = dose,
-                     .bottom_dose = machine.power_mw_cm2 * profile.initial_exposure_time,
-                     .bottom_layers = profile.bottom_layer_count,
-                     .faded_layers = profile.faded_layers};
-  }
+  settings.cure = cure_model(profile, machine);
+  settings.cure.penetration_mm /= shrinks;
   const double depth = cure_depth_mm(profile, dose) / shrinks;
   settings.overcure_mm = std::max(0.0, depth - static_cast<double>(settings.placement.layer_height_mm));
 }

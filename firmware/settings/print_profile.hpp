@@ -20,6 +20,10 @@ namespace plumbline::firmware::inline settings {
 /// mm: largest absolute_correction, either way.
 inline constexpr double kMostMoved = 0.5;
 
+/// Which pixels of a mask may be grey: none, or those where rays enter the object, so that undersides lie between the heights of layers.
+enum class Grey : std::uint8_t { kOff, kVertical };
+inline constexpr std::array<std::string_view, 2> kGreyWords = {"off", "vertical"};
+
 /// Names are those of PrusaSlicer's SLA settings where it has one. Every number is inside the range given in
 /// board/README.md. Heights in mm, times in s, speeds in mm/min, as resin users know them; PrintPlan has them as types.
 struct PrintProfile {
@@ -35,6 +39,7 @@ struct PrintProfile {
   double bottle_cost = 0;                ///< [resin] of a bottle, in any currency; 0: unknown
   double bottle_volume = 0;              ///< [resin] ml of a bottle; 0: unknown
   double layer_height = 0;               ///< [print] mm
+  Grey grey = Grey::kOff;                ///< [print]
   double initial_layer_height = 0;       ///< mm, of an archive's first layer; 0: as high as the others
   double exposure_time = 0;              ///< [print] s
   double initial_exposure_time = 0;      ///< [print] s, of the bottom layers
@@ -84,6 +89,9 @@ double cure_depth_mm(const PrintProfile& profile, double dose_mj_cm2);
 /// The true size: what a print shrinks by (the printer's correction times the resin's), and by how much its outlines are moved.
 /// @param settings  with the lengths of the machine, which become the object's
 void correct_sizes(const PrintProfile& profile, const BoardFile& board, SliceSettings& settings);
+
+/// How the light of a print cures; not known if the profile has no `exchange`.
+CureModel cure_model(const PrintProfile& profile, const MachineFile& machine);
 
 /// What the checks of the masks need to know of the print: the resin, the compensation of elephant's foot, and how deep light cures.
 /// @param settings  after correct_sizes(): its layer height is read

@@ -104,6 +104,7 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
   contract.cure_depth = cure_depth(profile, light, plan->exposure);
   contract.first_cure_depth = cure_depth(profile, light, plan->initial_exposure);
   contract.is_archive = subject.is_archive;
+  if (subject.is_archive) contract.plan.grey = {};
   contract.grey = subject.grey;
   contract.shows_grey = machine.panel.grey.has_grey();
   contract.grey_lost = contract.shows_grey ? 0 : subject.grey_lost;
@@ -131,6 +132,7 @@ void write_contract(JsonWriter& json, const Contract& contract) {
   json.member("grey_percent", thousandths(100 * contract.grey));
   json.member("grey_lost_percent", thousandths(100 * contract.grey_lost));
   json.member("shows_grey", contract.shows_grey);
+  json.member("vertical_grey", contract.plan.grey.is_known());
   json.member("resin_ml", thousandths(contract.resin_ml));
   json.member("time_s", contract.time);
   constexpr double kDigits = 1e6;

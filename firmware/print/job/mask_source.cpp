@@ -11,6 +11,27 @@ Expected<GreyRuns> take_greys(const PrintGrid& grid, bool shows_grey, Arena& are
   return GreyRuns(*room, grid.columns);
 }
 
+Expected<StreamMasks> StreamMasks::create(const RRep& rrep, const Supports& supports, const CureModel& grey,
+                                          double layer_height_mm, Arena& arena) {
+  const auto stream = MaskStream::create(rrep, supports, arena);
+  PLUMBLINE_TRY(stream);
+  StreamMasks masks(*stream);
+  if (!grey.is_known()) return masks;
+  const auto found = VerticalGrey::create(rrep, supports, grey, layer_height_mm, arena);
+  PLUMBLINE_TRY(found);
+  masks.grey_ = *found;
+  const auto greys = take_greys(rrep.grid, true, arena);
+  PLUMBLINE_TRY(greys);
+  masks.greys_ = *greys;
+  return masks;
+}
+
+Expected<ConstBitImage> StreamMasks::mask(std::uint32_t layer) {
+  const ConstBitImage mask = stream_.mask(layer);
+  if (grey_) grey_->find(layer, stream_.section(), mask, greys_);
+  return mask;
+}
+
 Expected<ArchiveMasks> ArchiveMasks::create(int file, std::string_view name, const PrintGrid& grid,
                                             std::span<const ArchiveLayer> layers, const MaskTurn& turn,
                                             LayerDecoder& decoder, bool shows_grey, Arena& arena) {

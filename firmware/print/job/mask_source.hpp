@@ -2,6 +2,7 @@
 /// Where the masks of a print come from.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -12,6 +13,7 @@
 #include "slicer/core/grey_runs.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
+#include "slicer/supports/drawing/vertical_grey.hpp"
 
 namespace plumbline::firmware {
 
@@ -31,11 +33,21 @@ class MaskSource {
 class StreamMasks final : public MaskSource {
  public:
   explicit StreamMasks(const MaskStream& stream) : stream_(stream) {}
+  /// Takes what it needs from the bottom of the arena.
+  /// @param grey             if it is known, masks have grey pixels where rays enter the object
+  /// @param layer_height_mm  of the print
+  /// @retval ErrorCode::kOutOfMemory
+  [[nodiscard]] static Expected<StreamMasks> create(const RRep& rrep, const Supports& supports, const CureModel& grey,
+                                                    double layer_height_mm, Arena& arena);
+
   const PrintGrid& grid() const override { return stream_.grid(); }
-  Expected<ConstBitImage> mask(std::uint32_t layer) override { return stream_.mask(layer); }
+  Expected<ConstBitImage> mask(std::uint32_t layer) override;
+  std::span<const GreyRun> greys() const override { return greys_.runs(); }
 
  private:
   MaskStream stream_;
+  std::optional<VerticalGrey> grey_;
+  GreyRuns greys_;
 };
 
 /// Decodes a layer of an archive.

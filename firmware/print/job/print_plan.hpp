@@ -17,6 +17,7 @@
 #include "hal/clock.hpp"
 #include "hal/units.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/resin/cure_model.hpp"
 #include "slicer/core/resin/foot_shrink.hpp"
 
 namespace plumbline::firmware {
@@ -46,6 +47,7 @@ struct PrintPlan {
   Speed retract_speed, retract_speed2;
   Distance pause_lift;
   Distance elephant_foot;
+  CureModel grey;  ///< known if undersides get grey pixels
   // Of the machine:
   ZPosition highest;  ///< that any move goes
   Speed fastest;      ///< down to the first layer, and up from the last

@@ -32,14 +32,13 @@ double grey_of(const CureModel& model, double layer_height_mm, double share) {
   return std::clamp((needed - largest) / rest - above + largest, 0.0, 1.0);
 }
 
-VerticalGrey::VerticalGrey(const RRep& rrep, const CureModel& model)
+VerticalGrey::VerticalGrey(const RRep& rrep, const CureModel& model, double layer_height_mm)
     : rrep_(&rrep), packing_(rrep.grid), first_(model.bottom_layers + model.faded_layers) {
-  const auto layer_height = static_cast<double>(rrep.grid.layer_height_mm);
   for (std::uint32_t part = 0; part < CrossingHeight::kParts; ++part) {
     // In the upper half of its layer's range a crossing is above that layer's underside, in the lower half above that of the one below.
     const double above = (part + 0.5) / CrossingHeight::kParts;
     const double share = part < CrossingHeight::kUnderside ? above + 0.5 : above - 0.5;
-    levels_[part] = static_cast<std::uint8_t>(std::floor(grey_of(model, layer_height, share) * kFullLevel + 0.5));
+    levels_[part] = static_cast<std::uint8_t>(std::floor(grey_of(model, layer_height_mm, share) * kFullLevel + 0.5));
   }
 }
 
@@ -51,8 +50,8 @@ std::size_t VerticalGrey::bytes_needed(const PrintGrid& grid, std::size_t suppor
 }
 
 Expected<VerticalGrey> VerticalGrey::create(const RRep& rrep, const Supports& supports, const CureModel& model,
-                                            Arena& arena) {
-  VerticalGrey grey(rrep, model);
+                                            double layer_height_mm, Arena& arena) {
+  VerticalGrey grey(rrep, model, layer_height_mm);
   if (supports.empty()) return grey;
   const PrintGrid& grid = rrep.grid;
   const std::uint32_t strips = strips_of(grid.columns);

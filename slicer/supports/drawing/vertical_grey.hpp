@@ -25,10 +25,11 @@ double grey_of(const CureModel& model, double layer_height_mm, double share);
 /// none, nor have rays that are in no other layer, and what supports cover.
 class VerticalGrey {
  public:
-  /// @param rrep, supports  of the print; must outlive this
+  /// @param rrep, supports    of the print; must outlive this
+  /// @param layer_height_mm   by which the plate moves
   /// @retval ErrorCode::kOutOfMemory  no room for bytes_needed() at the bottom of the arena
   [[nodiscard]] static Expected<VerticalGrey> create(const RRep& rrep, const Supports& supports, const CureModel& model,
-                                                     Arena& arena);
+                                                     double layer_height_mm, Arena& arena);
   static std::size_t bytes_needed(const PrintGrid& grid, std::size_t supports);
 
   /// @param section, mask  of the layer: MaskStream's, asked for it last. A grey pixel's bit is set if its surface is in the lower half of the layer
@@ -36,7 +37,7 @@ class VerticalGrey {
   void find(std::uint32_t layer, ConstBitImage section, ConstBitImage mask, GreyRuns& greys);
 
  private:
-  VerticalGrey(const RRep& rrep, const CureModel& model);
+  VerticalGrey(const RRep& rrep, const CureModel& model, double layer_height_mm);
   void draw_supports(std::uint32_t layer);
   void clear_supports();
 

@@ -137,6 +137,13 @@ class Print(Program):
                 self.assertAlmostEqual(measured["down_mean"] / 0.75, beyond, delta=8 if beyond else 25, msg="half a layer")
                 self.assertLess(measured["top_rms"], 1)
             self.assertAlmostEqual(found[0]["rms"], found[1]["rms"], delta=9, msg="the R-Rep's edges are left out")
+            if exchange is None:
+                self.run_it(*same, "--profile", profile, "--grey", "vertical", status=1)
+                continue
+            self.run_it(*same, "--profile", profile, "--grey", "vertical", "--truth", mesh)
+            measured = json.loads(report.read_text())
+            self.assertTrue(measured["contract"]["vertical_grey"])
+            self.assertAlmostEqual(measured["part"]["deviation_um"]["down_mean"] / 0.75, 0, delta=4, msg="no half layer is left")
         self.run_it(*same)
         self.assertIsNone(json.loads(report.read_text())["part"]["deviation_um"], "nothing of the part was kept")
 

@@ -19,7 +19,7 @@ using namespace testing;
 std::vector<std::vector<double>> shares_of(const RRep& rrep, const Supports& supports, const CureModel& model,
                                            Arena& arena) {
   auto stream = value_of(MaskStream::create(rrep, supports, arena));
-  auto grey = value_of(VerticalGrey::create(rrep, supports, model, arena));
+  auto grey = value_of(VerticalGrey::create(rrep, supports, model, kColumnLayer, arena));
   std::vector<GreyRun> room(1000);
   GreyRuns greys(room, rrep.grid.columns);
   std::vector<std::vector<double>> shares(rrep.grid.columns, std::vector<double>(rrep.grid.layers));
