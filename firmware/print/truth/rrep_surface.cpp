@@ -90,8 +90,9 @@ class Rays {
     for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
       for (std::uint32_t i = first_[pixel]; i < first_[pixel + 1]; i += 2) {
         const std::uint32_t exit = i + 1 < first_[pixel + 1] ? layers_[i + 1] : grid_.layers;
-        heights_[i] =
-            static_cast<float>(uncorrected_mm(depths, grid_, static_cast<double>(heights_[i]), layers_[i], exit));
+        const double height = uncorrected_mm(depths, grid_, static_cast<double>(heights_[i]), layers_[i], exit);
+        heights_[i] = static_cast<float>(height);
+        layers_[i] = height_of(heights_[i], grid_).layer();
       }
     }
   }

@@ -13,6 +13,14 @@ namespace {
 
 constexpr const char* kStage = "grey";
 
+/// Room between a level that cures by itself and one that does not.
+constexpr double kMargin = 0.05;
+
+bool has_white_beside(ConstBitImage mask, std::uint32_t column, std::uint32_t row) {
+  return (column > 0 && mask.at(column - 1, row)) || (column + 1 < mask.columns() && mask.at(column + 1, row)) ||
+         (row > 0 && mask.at(column, row - 1)) || (row + 1 < mask.rows() && mask.at(column, row + 1));
+}
+
 std::uint32_t strips_of(std::uint32_t columns) { return (columns + kStripColumns - 1) / kStripColumns; }
 
 }  // namespace
@@ -34,11 +42,15 @@ double grey_of(const CureModel& model, double layer_height_mm, double share) {
 
 VerticalGrey::VerticalGrey(const RRep& rrep, const CureModel& model, double layer_height_mm)
     : rrep_(&rrep), packing_(rrep.grid), first_(model.bottom_layers + model.faded_layers) {
+  const double curing = model.is_known() ? model.critical_dose / model.dose * kFullLevel : kLeastCuringLevel;
+  const auto least = static_cast<std::uint8_t>(std::min(std::ceil(curing * (1 + kMargin)), double{kFullLevel}));
+  most_alone_ = static_cast<std::uint32_t>(curing * (1 - kMargin));
   for (std::uint32_t part = 0; part < CrossingHeight::kParts; ++part) {
     // In the upper half of its layer's range a crossing is above that layer's underside, in the lower half above that of the one below.
     const double above = (part + 0.5) / CrossingHeight::kParts;
     const double share = part < CrossingHeight::kUnderside ? above + 0.5 : above - 0.5;
     levels_[part] = static_cast<std::uint8_t>(std::floor(grey_of(model, layer_height_mm, share) * kFullLevel + 0.5));
+    if (part >= CrossingHeight::kUnderside) levels_[part] = std::max(levels_[part], least);
   }
 }
 
@@ -110,12 +122,13 @@ void VerticalGrey::find(std::uint32_t layer, ConstBitImage section, ConstBitImag
     j += next_pixel == pixel ? 1 : 0;
     const std::uint32_t part = packing_.height(crossing, 0).part();
     if (is_alone || enters_here != (part >= CrossingHeight::kUnderside)) continue;
-    const std::uint32_t level = levels_[part];
+    std::uint32_t level = levels_[part];
     if (!is_grey(level)) continue;
     const std::uint32_t row = pixel / grid.columns, column = pixel % grid.columns;
     // A pixel that enters here is in the section; one that enters in the next layer is not, and no crossing of an exit is either of these.
     if (section.at(column, row) != enters_here || mask.at(column, row) != enters_here) continue;
     if (has_supports_ && supports_.at(column, row)) continue;
+    if (!enters_here && level > most_alone_ && !has_white_beside(mask, column, row)) level = most_alone_;
     greys.add(pixel, static_cast<std::uint8_t>(level));
   }
   clear_supports();

@@ -22,7 +22,8 @@ double grey_of(const CureModel& model, double layer_height_mm, double share);
 
 /// Finds the grey pixels of masks. A ray that enters at a height between two layers' gets the share of the lower layer's light that brings the
 /// front there. What faces up has none: light comes from below, so there a layer cures whole or not at all. Bottom and faded layers have
-/// none, nor have rays that are in no other layer, and what supports cover.
+/// none, nor have rays that are in no other layer, and what supports cover. A pixel whose bit is set cures by its own light, as the layer's checks
+/// expect; one whose bit is not set, and that has no white pixel beside it, does not: it would hang on nothing.
 class VerticalGrey {
  public:
   /// @param rrep, supports    of the print; must outlive this
@@ -45,7 +46,8 @@ class VerticalGrey {
   CrossingPacking packing_;
   std::uint32_t first_;  ///< layer
   std::array<std::uint8_t, CrossingHeight::kParts> levels_ =
-      {};  ///< by the part of a crossing's height; 0: no light, 255: all
+      {};                                  ///< by the part of a crossing's height; 0: no light, 255: all
+  std::uint32_t most_alone_ = kFullLevel;  ///< of a pixel that is to cure with the next layer's light only
   bool has_supports_ = false;
   SupportPainter painter_;
   BitImage supports_;  ///< of the layer
