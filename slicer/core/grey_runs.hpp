@@ -61,7 +61,7 @@ class GreyRuns {
     sorted_ = sorted_ && (count_ == 0 || run.pixel >= room_[count_ - 1].end());
     room_[count_++] = run;
   }
-  /// Puts the runs in order and joins those that touch. @pre runs() was not called before, or the order was ascending
+  /// Puts the runs in order and joins those that touch.
   void finish() {
     if (!sorted_) sort();
   }
@@ -70,12 +70,6 @@ class GreyRuns {
     lost_ = 0;
     sorted_ = true;
     full_ = false;
-  }
-  /// Takes those of another image of the same columns.
-  void copy(const GreyRuns& other) {
-    clear();
-    for (const GreyRun& run : other.runs()) add(run);
-    lost_ += other.lost();
   }
 
   /// Ascending, of one row each. @pre pixels were added in ascending order, or finish() was called

@@ -436,6 +436,27 @@ class FromAStick(Sliced):
         self.assertEqual((report["state"], report["scan"]), ("finished", "part.sl1"))
         self.assertEqual([line["mask_hash"] for line in report["exposures"]][-15:], hashes[-15:])
 
+    def test_grey_comes_through_the_child_as_this_process_decodes_it(self):
+        """Rings of grey round a square, mirrored by the archive."""
+        empty, row, edge = bytes(1441), bytearray(1441), bytearray(1441)
+        for i, level in enumerate((40, 90, 127, 128, 200, 254)):
+            row[601 + i] = row[800 - i] = level
+        row[607:795] = b"\xff" * 188
+        edge[601:801] = b"\x64" * 200
+        layer = png(1440, 2560, empty * 999 + bytes(edge) + bytes(row) * 200 + bytes(edge) + empty * 1359)
+        ini = "layer_height = 0.05\nexposure_time = 2.5\ninitial_exposure_time = 30\nfaded_layers = 3\ndisplay_mirror_x = 1\n"
+        part = self.pack({f"{k:02}.png": layer for k in range(8)}, ini, name="part.sl1")
+        self.print_it(part)
+        hashes = [line["mask_hash"] for line in exposures(self.report)]
+        self.put_stick(part)
+        daemon = self.start("--speedup", 1e6, "--jobs", 1)
+        self.until(daemon, "finished")
+        self.assertEqual(daemon.wait(60), 0)
+        report = json.loads((self.state / "report.json").read_text())
+        self.assertEqual((report["state"], report["objections"]), ("finished", []))
+        self.assertEqual((report["contract"]["shows_grey"], report["contract"]["grey_percent"] > 0), (True, True))
+        self.assertEqual([line["mask_hash"] for line in report["exposures"]], hashes)
+
     def test_pulled_or_broken_while_it_is_copied(self):
         self.put_stick(self.pack({"1.png": square(), "notes": os.urandom(3_000_000)}, name="part.sl1"))
         for words, *faults in (("PL-107, stick pulled: part.sl1: the stick was pulled", "stick.slow@t=0s,by=0.01", "stick.pulled@t=0.5s,for=99s"),

@@ -39,11 +39,6 @@ TEST(GreyRuns, CountThePixelsThatFindNoRoom) {
   greys.add(GreyRun{60, 7, 50});
   EXPECT_THAT(greys.runs(), ElementsAre(GreyRun{1, 1, 50}, GreyRun{3, 2, 50}));
   EXPECT_EQ(greys.lost(), 9U);
-  std::vector<GreyRun> less(1);
-  GreyRuns copy(less, kGreyColumns);
-  copy.copy(greys);
-  EXPECT_THAT(copy.runs(), ElementsAre(GreyRun{1, 1, 50}));
-  EXPECT_EQ(copy.lost(), 11U);
   greys.clear();
   EXPECT_EQ(greys.lost(), 0U);
   GreyRuns none;
