@@ -124,7 +124,8 @@ TEST(OutlineShift, RefusesTrianglesThatShareNoCorners) {
     soup.faces.push_back({first, first + 1, first + 2});
   }
   ArenaBlock arena(kArena);
-  MemorySource source(binary_stl(soup), "soup.stl");
+  const std::string bytes = binary_stl(soup);
+  MemorySource source(bytes, "soup.stl");
   SliceReport report;
   const auto refused = slice(source, moved_by(-0.02, 0.1F), *arena, nullptr, report);
   ASSERT_FALSE(refused);
