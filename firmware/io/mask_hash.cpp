@@ -31,7 +31,9 @@ const char* const kMaskHashDefinition =
     "modulo 2^64: mix(z) is SplitMix64's finaliser; a layer is mix(mix(columns * 2^32 + rows) + sum of mix(word + s * "
     "0x9E3779B97F4A7C15) over its non-zero words), where a word is 8 bytes of an image row as PNG has them, "
     "big-endian, the "
-    "last one filled up with zeros, and s counts the words of the image from 1; a job starts as mix(number of layers) "
+    "last one filled up with zeros, and s counts the words of the image from 1; a grey pixel's bit is 1 from level 128 "
+    "of 255 on, and each of the longest runs of one level in a row adds mix(mix(pixel * 2^32 + count * 2^16 + level)) "
+    "to the sum, where pixel = row * columns + column of its first one; a job starts as mix(number of layers) "
     "and "
     "takes in each layer as h = mix(h + 0x9E3779B97F4A7C15 + layer)";
 

@@ -20,7 +20,7 @@ namespace plumbline::firmware {
 /// all modulo 2^64. The sum does not depend on the order of the words, so black words are skipped and the processor
 /// works on several at a time.
 ///
-/// A mask with grey pixels adds, for each of the longest runs of one level in a row, to the inner sum
+/// Bits of grey pixels are as set_bits() sets them. A mask with grey pixels adds, for each of the longest runs of one level in a row, to the inner sum
 ///
 ///   mix(mix(first pixel * 2^32 + count * 2^16 + level))
 std::uint64_t mask_hash(ConstBitImage mask, std::span<const GreyRun> greys = {});

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include "slicer/core/bit_spans.hpp"
+
 namespace plumbline::inline slicer {
 
 /// A stretch of pixels of one row that let some of the light through.
@@ -26,6 +28,15 @@ inline constexpr std::uint8_t kFullLevel = 255;
 inline constexpr std::uint8_t kLeastCuringLevel = 128;
 
 constexpr bool is_grey(std::uint32_t level) { return level > 0 && level < kFullLevel; }
+
+/// Sets the bits of grey pixels by kLeastCuringLevel, as a decoder of their image does.
+/// @param runs  of one row each
+inline void set_bits(std::span<const GreyRun> runs, BitImage image) {
+  for (const GreyRun& run : runs) {
+    const std::uint32_t row = run.pixel / image.columns(), begin = run.pixel % image.columns();
+    fill(image, row, begin, begin + run.count, run.level >= kLeastCuringLevel);
+  }
+}
 
 /// The grey pixels of a mask, in memory of its owner. A pixel for which there is no room is as its bit in the image says.
 class GreyRuns {

@@ -33,7 +33,8 @@ class MaskRenderer {
 
   /// Draws the mask of a layer. Layers in ascending order cost least.
   /// @param out    of the grid's columns and rows; every word is written
-  /// @param greys  null, or empty: gets the grey pixels of the mask. A layer whose outline is moved inwards has none
+  /// @param greys  null, or empty: gets the grey pixels of the mask, whose bits in `out` follow their levels. A layer whose outline is moved
+  ///               inwards has none
   /// @retval any error of the source
   [[nodiscard]] Expected<MaskFacts> render(std::uint32_t layer, BitImage out, GreyRuns* greys = nullptr);
 

@@ -104,5 +104,16 @@ TEST(GreyRuns, LoseEachPixelOnceIfTheyAreFullOutOfOrder) {
   EXPECT_EQ(kept + greys.lost(), 600U);
 }
 
+TEST(SetBits, MakesWhiteWhatIsTakenToCure) {
+  std::vector<std::uint64_t> words(BitImage::words_needed(70, 2));
+  const BitImage image(words, 70, 2);
+  for (std::uint32_t c = 0; c < 70; ++c) image.set(c, 0);
+  set_bits(std::vector<GreyRun>{{60, 8, 127}, {68, 2, 128}, {70, 3, 254}, {139, 1, kLeastCuringLevel}}, image);
+  for (std::uint32_t c = 0; c < 70; ++c) {
+    EXPECT_EQ(image.at(c, 0), c < 60 || c >= 68) << c;
+    EXPECT_EQ(image.at(c, 1), c < 3 || c == 69) << c;
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
