@@ -8,6 +8,7 @@
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/accepted_values.hpp"
+#include "firmware/cli/options/grey_option.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/reports/issues_file.hpp"
 #include "firmware/cli/reports/printed_part.hpp"
@@ -94,25 +95,6 @@ struct Printer {
   PrintProfile profile;
 };
 
-/// Takes --grey, where it can be done.
-Status choose_grey(const PrintOptions& options, Printer& printer) {
-  if (options.grey.empty()) return {};
-  printer.profile.grey = options.grey == kGreyWords[0] ? Grey::kOff : Grey::kVertical;
-  if (printer.profile.grey == Grey::kOff) return {};
-  if (!printer.machine.panel.grey.has_grey()) {
-    return fail(ErrorCode::kBadSetting,
-                "--grey %s: the panel of %s shows black and white only.\tLeave it out, or give [panel] grey_levels",
-                options.grey.c_str(), printer.board.path.c_str());
-  }
-  if (!printer.profile.exchange) {
-    return fail(ErrorCode::kBadSetting,
-                "--grey %s: the profile %s has no exchange in [resin], which says what light cures.\tAdd it, or leave "
-                "out --grey",
-                options.grey.c_str(), printer.profile.name.c_str());
-  }
-  return {};
-}
-
 Expected<Printer> read_printer(const PrintOptions& options) {
   Printer printer;
   auto board = read_board_file(options.job.printer);
@@ -126,7 +108,7 @@ Expected<Printer> read_printer(const PrintOptions& options) {
   PLUMBLINE_TRY(profile);
   printer.profile = std::move(*profile);
   printer.profile.checks = options.checks.over(printer.profile.checks);
-  PLUMBLINE_TRY(choose_grey(options, printer));
+  PLUMBLINE_TRY(choose_grey(options.grey, printer.board, printer.machine, printer.profile));
   set_values(printer.profile, options.by_person(), ValueSource::kPerson);
   return printer;
 }
@@ -431,16 +413,7 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
   }
   for (const SupportField& field : kSupportFields) resume->excludes(option_name(field.key));
   for (const PlaceField& field : kPlaceFields) resume->excludes(option_name(field.key));
-  auto* grey =
-      command
-          ->add_option(
-              "--grey", options.grey,
-              "off: pixels are black or white; vertical: they are grey where the object begins, so that "
-              "undersides lie between the heights of layers, on a panel that shows grey [the profile's, or off]")
-          ->type_name("KIND")
-          ->check(CLI::IsMember(std::vector<std::string>(kGreyWords.begin(), kGreyWords.end())))
-          ->group(kPrint);
-  resume->excludes(grey);
+  resume->excludes(add_grey_option(*command, options.grey)->group(kPrint));
   command
       ->add_option_function<std::vector<std::string>>(
           "--set",

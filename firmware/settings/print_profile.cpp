@@ -119,6 +119,11 @@ CureModel cure_model(const PrintProfile& profile, const MachineFile& machine) {
           .faded_layers = profile.faded_layers};
 }
 
+CureModel grey_model(const PrintProfile& profile, const MachineFile& machine) {
+  const bool is_grey = profile.grey == Grey::kVertical && machine.panel.grey.has_grey();
+  return is_grey ? cure_model(profile, machine) : CureModel();
+}
+
 void correct_sizes(const PrintProfile& profile, const BoardFile& board, SliceSettings& settings) {
   Vec3d by;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -167,7 +167,7 @@ Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& m
   plan.retract_speed = mm_per_min(profile.retract_speed);
   plan.retract_speed2 = mm_per_min(profile.retract_speed2);
   plan.pause_lift = Distance::millimetres(profile.pause_lift_height);
-  if (profile.grey == Grey::kVertical && machine.panel.grey.has_grey()) plan.grey = cure_model(profile, machine);
+  plan.grey = grey_model(profile, machine);
   plan.elephant_foot = Distance::millimetres(profile.elefant_foot_compensation);
   plan.highest = ZPosition(Distance::millimetres(machine.end_stop_height_mm - kEndStopClearanceMm));
   plan.fastest = mm_per_min(machine.max_speed_mm_min);
