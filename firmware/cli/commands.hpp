@@ -25,6 +25,7 @@ namespace plumbline::firmware {
 struct SliceOptions {
   JobOptions job;
   std::string output;
+  std::string grey;  ///< of kGreyWords; empty: the profile's
   bool preview = true;
   SupportChoice supports;
   CheckChoice checks;

@@ -3,6 +3,7 @@
 
 #include "firmware/archive/layer_archive.hpp"
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/options/grey_option.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/reports/print_time.hpp"
 #include "firmware/cli/terminal_job.hpp"
@@ -31,7 +32,8 @@ constexpr const char* kSliceFooter =
     "\n"
     "Output:\n"
     "  OUT/layers/00000.png ...  a mask per layer, lowest first: 1-bit greyscale, white cures, row 0 has the smallest "
-    "y\n"
+    "y;\n"
+    "                            with grey pixels 8-bit, a level is the share of the dose\n"
     "  OUT/preview.png           the print from the front, the side and above\n"
     "  OUT/coverage.png          which parts of the surface were scanned, and which were closed; not of a mesh\n"
     "  OUT/manifest.json         grid, hashes, figures; written last, so a job that has it is complete\n"
@@ -71,6 +73,7 @@ CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
       "--no-preview", [&options] { options.preview = false; },
       "Don't draw preview.png and coverage.png, nor an archive's thumbnails");
   add_slicing_options(*command, options.job, options.supports, options.checks);
+  add_grey_option(*command, options.grey)->group(kPrinterGroup);
   return command;
 }
 
@@ -93,6 +96,29 @@ Expected<ArchiveOutput> archive_output(const JobSetup& setup, const std::string&
     return time ? std::chrono::duration<double>(time->time).count() : 0;
   };
   return ArchiveOutput{board, std::move(*profile), seconds};
+}
+
+/// @param grey  of --grey
+/// @returns how the light of grey pixels cures; not known if the masks have none
+Expected<CureModel> grey_of(const JobSetup& setup, const std::string& grey) {
+  const bool is_asked_for = grey == kGreyWords[static_cast<std::size_t>(Grey::kVertical)];
+  if (!is_asked_for && (!setup.board || !setup.board->machine)) return CureModel();
+  if (!setup.board) {
+    return fail(ErrorCode::kBadSetting,
+                "--grey %s: grey is made for a printer's panel.\tName the printer with --printer, or leave out --grey",
+                grey.c_str());
+  }
+  const BoardFile& board = *setup.board;
+  const auto machine = machine_of(board, board.path);
+  PLUMBLINE_TRY(machine);
+  PrintProfile profile = profile_or_defaults(setup.board);
+  if (is_asked_for) {
+    auto read = read_print_profile(machine->profile, board.path);
+    PLUMBLINE_TRY(read);
+    profile = std::move(*read);
+  }
+  PLUMBLINE_TRY(choose_grey(grey, board, *machine, profile));
+  return grey_model(profile, *machine);
 }
 
 }  // namespace
@@ -121,6 +147,9 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
     if (!archive) return report_error(archive.error());
     settings.archive = std::move(*archive);
   }
+  const auto grey = grey_of(*setup, options.grey);
+  if (!grey) return report_error(grey.error());
+  settings.grey = *grey;
   settings.printer_name = setup->printer_name;
   settings.preview = options.preview;
   settings.slice = slice_settings(*setup, *options.supports.over(true, {}));  // checked when the arguments were parsed

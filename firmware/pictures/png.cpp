@@ -215,13 +215,13 @@ PngEncoder::PngEncoder(PngWriter writer, std::uint32_t columns, MaskDepth depth)
     : writer_(std::move(writer)), depth_(depth), row_(columns + std::size_t{63}) {}
 
 Expected<PngEncoder> PngEncoder::for_masks(std::uint32_t columns, std::uint32_t rows, MaskDepth depth) {
-  const std::size_t row_bytes = depth == MaskDepth::kByte ? columns : (columns + std::size_t{7}) / 8;
+  const std::size_t row_bytes = depth == MaskDepth::kBit ? (columns + std::size_t{7}) / 8 : columns;
   auto writer = PngWriter::create((1 + row_bytes) * rows);
   PLUMBLINE_TRY(writer);
   return PngEncoder(std::move(*writer), columns, depth);
 }
 
-std::span<const std::byte> PngEncoder::encode(ConstBitImage mask) {
+std::span<const std::byte> PngEncoder::encode(ConstBitImage mask, std::span<const GreyRun> greys) {
   const std::size_t last = mask.stride() - std::size_t{1};
   const auto words = [&](std::uint32_t r, std::size_t w) {
     return mask.row(r)[w] & (w == last ? mask.last_word_mask() : ~std::uint64_t{0});
@@ -243,10 +243,14 @@ std::span<const std::byte> PngEncoder::encode(ConstBitImage mask) {
         for (unsigned i = 0; i < 64; ++i) at[i] = (word >> i & 1U) != 0 ? 255 : 0;
       }
     }
+    for (; !greys.empty() && greys.front().pixel / mask.columns() == r; greys = greys.subspan(1)) {
+      std::memset(&row_[greys.front().pixel % mask.columns()], greys.front().level, greys.front().count);
+    }
     return std::span(row_).first(mask.columns());
   };
-  const PngWriter::Format format{mask.columns(), mask.rows(), static_cast<std::uint8_t>(depth_), 1, true};
-  return depth_ == MaskDepth::kBit ? writer_.write(format, bits) : writer_.write(format, bytes);
+  const bool has_bytes = depth_ == MaskDepth::kByte || (depth_ == MaskDepth::kNeeded && !greys.empty());
+  const PngWriter::Format format{mask.columns(), mask.rows(), static_cast<std::uint8_t>(has_bytes ? 8 : 1), 1, true};
+  return has_bytes ? writer_.write(format, bytes) : writer_.write(format, bits);
 }
 
 Expected<PictureEncoder> PictureEncoder::create(std::size_t most_bytes) {

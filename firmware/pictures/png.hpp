@@ -12,6 +12,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
+#include "slicer/core/grey_runs.hpp"
 
 struct spng_ctx;
 
@@ -101,8 +102,12 @@ class PngWriter {
   PngBuffer file_, memory_;  ///< the second is libspng's
 };
 
-/// How a PNG holds a pixel that is white: as a bit, or as a byte of 255, the only one that PrusaSlicer's reader of archives takes.
-enum class MaskDepth : std::uint8_t { kBit = 1, kByte = 8 };
+/// How a PNG holds the pixels of a mask.
+enum class MaskDepth : std::uint8_t {
+  kBit,     ///< as bits; grey pixels as their bits
+  kNeeded,  ///< as bits, those of a mask with grey pixels as bytes
+  kByte,    ///< as bytes, 255 is white: the only ones that PrusaSlicer's reader of archives takes
+};
 
 /// Encodes one mask after another.
 class PngEncoder {
@@ -113,9 +118,10 @@ class PngEncoder {
                                                       MaskDepth depth = MaskDepth::kBit);
 
   /// Greyscale, white where resin cures.
-  /// @param mask  1 x 1 or more, not larger than the encoder was made for. Bits past the last column are ignored
+  /// @param mask   1 x 1 or more, not larger than the encoder was made for. Bits past the last column are ignored
+  /// @param greys  of the mask, ascending
   /// @returns the whole file, valid until the next call
-  std::span<const std::byte> encode(ConstBitImage mask);
+  std::span<const std::byte> encode(ConstBitImage mask, std::span<const GreyRun> greys = {});
 
  private:
   PngEncoder(PngWriter writer, std::uint32_t columns, MaskDepth depth);

@@ -10,6 +10,7 @@
 
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/settings/check_policy.hpp"
+#include "firmware/settings/print_profile.hpp"
 #include "firmware/slice/size_corrections.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/slicer.hpp"
@@ -33,6 +34,7 @@ struct JobReport {
   std::string printer_name;                      ///< empty without a printer
   BaseChoice base = BaseChoice::kAuto;           ///< as asked for
   SizeCorrections sizes;                         ///< that were asked for
+  Grey grey = Grey::kOff;                        ///< which pixels of the masks may be grey
   SliceReport slice;                             ///< peaks of the arena: up to Stage::kRRep
   std::array<double, kStageCount> seconds = {};  ///< by Stage
   double preview_seconds = 0;

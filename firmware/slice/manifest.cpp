@@ -288,6 +288,7 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   json.member("scale_mm_per_unit", slice.placement.scale);
   write_grid(json, slice);
   write_corrections(json, report.sizes);
+  json.member("grey", kGreyWords[static_cast<std::size_t>(report.grey)]);
   json.begin_object("underside", kOneLine);
   json.member("base", report.base);
   json.member("on_base_plane", slice.flat_underside);

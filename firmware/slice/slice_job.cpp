@@ -12,9 +12,11 @@
 #include "firmware/pictures/preview/preview.hpp"
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/settings/job_options.hpp"
+#include "firmware/slice/grey_masks.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/proof_report.hpp"
+#include "hal/units.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/support_building.hpp"
@@ -35,8 +37,9 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
     job.directory_.emplace(std::move(*directory));
   }
   if (const auto& printer = settings.slice.placement.printer) {
+    const MaskDepth in_folder = settings.grey.is_known() ? MaskDepth::kNeeded : MaskDepth::kBit;
     auto masks =
-        PngEncoder::for_masks(printer->columns, printer->rows, settings.archive ? MaskDepth::kByte : MaskDepth::kBit);
+        PngEncoder::for_masks(printer->columns, printer->rows, settings.archive ? MaskDepth::kByte : in_folder);
     PLUMBLINE_TRY(masks);
     job.masks_ = std::move(*masks);
   }
@@ -55,6 +58,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
   job.report_.base = settings.slice.base;
   job.report_.sizes = corrections_of(settings.slice);
   job.report_.printer_name = settings.printer_name;
+  job.report_.grey = settings.grey.is_known() ? Grey::kVertical : Grey::kOff;
   job.report_.checks = settings.checks;
   job.report_.draws_coverage = settings.preview && !settings.archive;
   job.report_.arena_bytes = arena.capacity();
@@ -107,7 +111,8 @@ Status SliceJob::work(JobProgress& progress) {
 /// Plans the layers anew, since the R-Rep and the supports are known now.
 void SliceJob::plan_layers(const RRep& rrep, const Supports& supports) {
   report_.slice.planned(Stage::kLayers) =
-      arena_->used() + rrep.grid.layers * sizeof(std::uint64_t) + layers_stage_bytes(rrep.grid, supports.list.size());
+      arena_->used() + rrep.grid.layers * sizeof(std::uint64_t) + layers_stage_bytes(rrep.grid, supports.list.size()) +
+      (settings_.grey.is_known() ? GreyMasks::bytes_needed(rrep.grid, supports.list.size()) : 0);
 }
 
 Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
@@ -115,6 +120,14 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
   const auto& object_pixels = report_.slice.object_pixels;
   auto stream = MaskStream::create(rrep, supports, *arena_, !object_pixels);
   PLUMBLINE_TRY(stream);
+  std::optional<GreyMasks> grey;
+  if (settings_.grey.is_known()) {
+    const auto machine = machine_grid(rrep.grid, settings_.slice.placement.correction);
+    const auto layer_height = Distance::millimetres(static_cast<double>(machine.layer_height_mm));  // as a print's plan
+    auto made = GreyMasks::create(rrep, supports, settings_.grey, layer_height.millimetres(), *arena_);
+    PLUMBLINE_TRY(made);
+    grey.emplace(*made);
+  }
   const ArenaScope scratch(*arena_);
   const auto limits = check_limits(settings_.slice.placement, settings_.slice.peel, settings_.slice.overcure_mm,
                                    rule_for(settings_.slice.supports));
@@ -130,8 +143,10 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
     report_.support_pixels += stream->support_pixels();
     Status kept;
     checker->check_while([&] {
-      hashes[layer] = mask_hash(mask);
-      const auto png = masks_->encode(mask);
+      if (grey) mask = grey->find(layer, *stream, mask);
+      const auto greys = grey ? grey->greys() : std::span<const GreyRun>();
+      hashes[layer] = mask_hash(mask, greys);
+      const auto png = masks_->encode(mask, greys);
       kept = directory_ ? directory_->write_layer(layer, png) : archive_->write_layer(layer, png);
       if (layer + 1 < layers) mask = stream->mask(layer + 1);
     });

@@ -15,6 +15,7 @@
 #include "firmware/slice/job_directory.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "slicer/core/arena.hpp"
+#include "slicer/core/resin/cure_model.hpp"
 #include "slicer/slicer.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
@@ -34,6 +35,7 @@ struct SliceJobSettings {
   std::string printer_name;              ///< for the manifest; empty: none
   SliceSettings slice;                   ///< supports: valid by check_support_settings()
   CheckPolicy checks;
+  CureModel grey;  ///< of the machine's layers; if it is known, pixels are grey where rays enter. With a printer only
   bool preview = true;
 };
 

@@ -107,6 +107,34 @@ TEST(PngEncoder, IgnoresBitsPastTheLastColumn) {
   EXPECT_TRUE(std::equal(kept.begin(), kept.end(), b.begin(), b.end()));
 }
 
+TEST(PngEncoder, HasTheLevelsOfGreyPixels) {
+  for (const std::uint32_t columns : {70U, 128U}) {
+    auto encoder = PngEncoder::for_masks(columns, 5, MaskDepth::kNeeded);
+    ASSERT_TRUE(encoder.has_value());
+    Mask mask(columns, 5);
+    for (std::uint32_t c = 10; c < 69; ++c) mask.image.set(c, 2);
+    expect_round_trip(*encoder, mask);  // as bits
+    // At the start and the end of a row, on white and on black, and two that touch.
+    const std::vector<GreyRun> greys = {{0, 1, 1},
+                                        {2 * columns + 8, 3, 90},
+                                        {2 * columns + 11, 2, 254},
+                                        {3 * columns - 1, 1, 7},
+                                        {4 * columns + 60, 10, 128}};
+    std::vector<unsigned char> expected(std::size_t{5} * columns);
+    for (std::uint32_t c = 10; c < 69; ++c) expected[2 * columns + c] = 255;
+    for (const GreyRun& run : greys) std::fill_n(&expected[run.pixel], run.count, run.level);
+    for (const MaskDepth depth : {MaskDepth::kNeeded, MaskDepth::kByte}) {
+      encoder = PngEncoder::for_masks(columns, 5, depth);
+      ASSERT_TRUE(encoder.has_value());
+      const Decoded decoded = decode(encoder->encode(mask.image, greys), LCT_GREY);
+      EXPECT_EQ(decoded.bytes, expected);
+      EXPECT_EQ(decoded.type, LCT_GREY);
+      EXPECT_EQ(decoded.depth, 8U);
+    }
+    EXPECT_EQ(decode(encoder->encode(mask.image), LCT_GREY).depth, 8U) << "PrusaSlicer reads no other";
+  }
+}
+
 TEST(PictureEncoder, RoundTripsPictures) {
   std::mt19937_64 dice(3);
   for (const std::uint32_t columns : {1U, 3U, 640U}) {

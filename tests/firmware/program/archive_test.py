@@ -2,13 +2,14 @@
 """Archives of sliced prints, .sl1: what `plumbline slice` writes."""
 
 import configparser
+import json
 import re
 import shutil
 import subprocess
 import unittest
 import zipfile
 
-from case import SIM2K, Program, main, png_rows, write_sphere
+from case import SIM2K, SOURCE_DIR, Program, grey_layer_hash, main, png_depth, png_rows, write_sphere
 
 
 def settings(archive, name):
@@ -159,6 +160,84 @@ class WrittenArchive(Program):
         self.slice_sphere(first)
         self.slice_sphere(second)
         self.assertEqual(first.read_bytes(), second.read_bytes())
+
+    def levels_of(self, png):
+        """Depth, and lines of a byte a pixel."""
+        if png_depth(png) == 8:
+            return 8, png_rows(png, bits=8)[1]
+        columns, rows = png_rows(png)
+        bits = (f"{int.from_bytes(row, 'big'):0{8 * len(row)}b}"[:columns] for row in rows)
+        return 1, [line.encode().translate(bytes.maketrans(b"01", b"\0\xff")) for line in bits]
+
+    def hashes_of_print(self, *arguments):
+        report = self.dir / "report.json"
+        self.run_it("print", *arguments, "--printer", SIM2K, "--report", report)
+        printed = json.loads(report.read_text())
+        self.assertEqual(printed["objections"], [])
+        return [line["mask_hash"] for line in printed["exposures"]]
+
+    def test_grey_layers_are_printed_as_those_of_the_scan(self):
+        write_sphere(self.scan, points=10_000, radius=2)
+        part, same = self.dir / "part.sl1", ("--layer-height", 0.1, "--grey", "vertical")
+        done = self.run_it("slice", self.scan, "-o", self.out, "--printer", SIM2K, "--no-preview", *same)
+        self.assertIn("grey       where the object begins", done.stdout)
+        self.run_it("slice", self.scan, "-o", part, "--printer", SIM2K, "--no-preview", *same)
+        manifest = self.manifest()
+        self.assertEqual(manifest["grey"], "vertical")
+        hashes = manifest["hashes"]["layers"]
+        with zipfile.ZipFile(part) as archive:
+            packed = [archive.read(name) for name in layers_of(archive)]
+        self.assertEqual(len(packed), len(self.layers()))
+        found, depths = set(), []
+        for k, name in enumerate(self.layers()):
+            depth, lines = self.levels_of((self.out / "layers" / name).read_bytes())
+            levels = set().union(*(line for line in lines if line.strip(b"\0"))) - {0, 255}
+            self.assertEqual(depth, 8 if levels else 1, name)
+            self.assertEqual(self.levels_of(packed[k]), (8, lines), name)
+            if k % 4 == 0:
+                self.assertEqual(f"{grey_layer_hash(1440, lines):016x}", hashes[k], name)
+            found |= levels
+            depths.append(depth)
+        self.assertGreater(len(found), 20)
+        self.assertTrue(min(found) < 64 < 192 < max(found), found)
+        self.assertEqual(set(depths), {1, 8})
+        self.assertEqual(self.hashes_of_print(self.scan, *same), hashes)
+        self.assertEqual(self.hashes_of_print(part), hashes)
+
+    def test_grey_is_the_profile_s_unless_it_is_asked_for(self):
+        write_sphere(self.scan, points=5_000, radius=3)
+        (self.dir / "profiles").mkdir()
+        board, profile = self.dir / "grey.toml", self.dir / "profiles" / "mine.toml"
+        board.write_text(SIM2K.read_text().replace('"sim2k" ', '"grey" ').replace('"standard"', '"mine"'))
+        standard = (SOURCE_DIR / "board/profiles/standard.toml").read_text().replace('name = "standard"', 'name = "mine"')
+        profile.write_text(standard.replace("[print]", '[print]\ngrey = "vertical"'))
+
+        def sliced(*arguments, printer=board):
+            self.run_it("slice", self.scan, "-o", self.out, "--printer", printer, "--layer-height", 0.2, "--no-preview", *arguments)
+            files = [(self.out / "layers" / name).read_bytes() for name in self.layers()]
+            return self.manifest()["grey"], {png_depth(file) for file in files}, files
+
+        self.assertEqual(sliced()[:2], ("vertical", {1, 8}))
+        off = sliced("--grey", "off")
+        self.assertEqual(off[:2], ("off", {1}))
+        self.assertEqual(sliced(printer=SIM2K), off)
+        black_and_white = self.dir / "bw.toml"
+        lines = [line for line in board.read_text().splitlines() if not line.startswith("grey_")]
+        black_and_white.write_text("\n".join(lines).replace('"grey" ', '"bw" ') + "\n")
+        self.assertEqual(sliced(printer=black_and_white), off, "its panel can't show the profile's grey")
+
+        def refused(*arguments):
+            return [self.run_it(*command, *arguments, "--grey", "vertical", status=1).stderr for command in (
+                ("slice", self.scan, "-o", self.dir / "new"), ("print", self.scan))]  # fmt: skip
+
+        for said in refused("--printer", black_and_white):
+            self.assertIn("bw.toml shows black and white only. Leave it out, or give [panel] grey_levels", said)
+        profile.write_text(standard.replace("exchange = 0.0", ""))
+        for said in refused("--printer", board):
+            self.assertIn("the profile mine has no exchange in [resin], which says what light cures. Add it, or leave out --grey", said)
+        done = self.run_it("slice", self.scan, "-o", self.dir / "new", "--grey", "vertical", status=1)
+        self.assertIn("--grey vertical: grey is made for a printer's panel. Name the printer with --printer", done.stderr)
+        self.assertFalse((self.dir / "new").exists())
 
     def test_a_job_that_fails_leaves_the_older_file(self):
         part = self.dir / "part.sl1"

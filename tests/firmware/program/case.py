@@ -4,6 +4,7 @@ plumbline, so a mistake would have to be made twice to go unnoticed.
 A test file is run as: FILE PROGRAMS SOURCE_DIR [unittest options], PROGRAMS the folder that holds plumbline and plumblined.
 """
 
+import itertools
 import json
 import math
 import struct
@@ -184,9 +185,30 @@ def mix(z):
     return z ^ (z >> 31)
 
 
-def layer_hash(columns, rows):
-    """The hash of a layer as the manifest defines it."""
-    total, place = mix((columns << 32) + len(rows)), 0
+def png_depth(data):
+    """Bits a pixel of a greyscale PNG."""
+    return data[24]
+
+
+def grey_layer_hash(columns, lines):
+    """The hash of a layer, from lines of a byte a pixel."""
+    rows, runs = [bytes(-(-columns // 8))] * len(lines), 0
+    for r, line in enumerate(lines):
+        if not line.strip(b"\0"):
+            continue
+        bits = "".join("1" if level >= 128 else "0" for level in line).ljust(8 * len(rows[r]), "0")
+        rows[r], at = int(bits, 2).to_bytes(len(rows[r]), "big"), 0
+        for level, run in itertools.groupby(line):
+            count = len(list(run))
+            if 0 < level < 255:
+                runs += mix(mix(((r * columns + at) << 32) + (count << 16) + level))
+            at += count
+    return layer_hash(columns, rows, runs)
+
+
+def layer_hash(columns, rows, runs=0):
+    """The hash of a layer as the manifest defines it. @param runs  the sum of its grey ones"""
+    total, place = mix((columns << 32) + len(rows)) + runs, 0
     for row in rows:
         row += bytes(-len(row) % 8)
         for (word,) in struct.iter_unpack(">Q", row):

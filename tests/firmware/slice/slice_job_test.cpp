@@ -142,6 +142,33 @@ TEST(SliceJob, WritesMasksWithTheirSupports) {
   EXPECT_EQ(without->peak_bytes(Stage::kSupports), 0U);
 }
 
+TEST(SliceJob, WritesGreyPixelsInMemoryThatItHasPlanned) {
+  const TemporaryFolder folder;
+  write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);
+  auto settings = sphere_job(folder);
+  for (const bool has_supports : {false, true}) {
+    if (has_supports) settings.slice.supports = SupportSettings{};
+    settings.grey = {};
+    const auto without = run(settings);
+    ASSERT_TRUE(without.has_value()) << without.error().message();
+    settings.grey = {
+        .penetration_mm = 0.12, .critical_dose = 3.2, .dose = 8.75, .bottom_dose = 105, .bottom_layers = 5};
+    const auto report = run(settings);
+    ASSERT_TRUE(report.has_value()) << report.error().message();
+    expect_exact_plan(*report, Stage::kLayers);
+    EXPECT_EQ(report->cured_pixels, without->cured_pixels) << "grey pixels are those of the object";
+    EXPECT_NE(report->hash, without->hash);
+    const Decoded bottom = decode(layer_path(settings.output_path, 0));
+    EXPECT_EQ(bottom.bit_depth, 1U);
+    const std::uint32_t low = report->slice.placement.grid.layers / 4;
+    const Decoded image = decode(layer_path(settings.output_path, low));
+    EXPECT_EQ(image.bit_depth, 8U);
+    EXPECT_EQ(image.colour, LCT_GREY);
+    const std::span pixels(image.pixels.get(), std::size_t{image.columns} * image.rows);
+    EXPECT_GT(std::ranges::count_if(pixels, is_grey), 100);
+  }
+}
+
 TEST(SliceJob, WritesMasksWithoutAPrinterToo) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);

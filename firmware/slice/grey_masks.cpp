@@ -1,0 +1,33 @@
+#include "firmware/slice/grey_masks.hpp"
+
+#include <algorithm>
+
+namespace plumbline::firmware {
+
+Expected<GreyMasks> GreyMasks::create(const RRep& rrep, const Supports& supports, const CureModel& model,
+                                      double layer_height_mm, Arena& arena) {
+  const PrintGrid& grid = rrep.grid;
+  const auto finder = VerticalGrey::create(rrep, supports, model, layer_height_mm, arena);
+  PLUMBLINE_TRY(finder);
+  const auto runs = arena.take_bottom<GreyRun>(GreyRuns::runs_needed(grid.columns, grid.rows), "grey pixels");
+  PLUMBLINE_TRY(runs);
+  const auto words = arena.take_bottom<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), "masks");
+  PLUMBLINE_TRY(words);
+  return GreyMasks(*finder, GreyRuns(*runs, grid.columns), BitImage(*words, grid.columns, grid.rows));
+}
+
+std::size_t GreyMasks::bytes_needed(const PrintGrid& grid, std::size_t supports) {
+  return VerticalGrey::bytes_needed(grid, supports) +
+         Arena::rounded(GreyRuns::runs_needed(grid.columns, grid.rows) * sizeof(GreyRun)) +
+         Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t));
+}
+
+ConstBitImage GreyMasks::find(std::uint32_t layer, const MaskStream& stream, ConstBitImage mask) {
+  finder_.find(layer, stream.section(), mask, greys_);
+  if (greys_.empty()) return mask;
+  std::ranges::copy(mask.words(), image_.words().begin());
+  set_bits(greys_.runs(), image_);
+  return image_;
+}
+
+}  // namespace plumbline::firmware
