@@ -43,7 +43,9 @@ double grey_of(const CureModel& model, double layer_height_mm, double share) {
 VerticalGrey::VerticalGrey(const RRep& rrep, const CureModel& model, double layer_height_mm)
     : rrep_(&rrep), packing_(rrep.grid), first_(model.bottom_layers + model.faded_layers) {
   const double curing = model.is_known() ? model.critical_dose / model.dose * kFullLevel : kLeastCuringLevel;
-  const auto least = static_cast<std::uint8_t>(std::min(std::ceil(curing * (1 + kMargin)), double{kFullLevel}));
+  // Whoever reads the mask from a file takes what is below kLeastCuringLevel for black.
+  const auto least = static_cast<std::uint8_t>(
+      std::clamp(std::ceil(curing * (1 + kMargin)), double{kLeastCuringLevel}, double{kFullLevel}));
   most_alone_ = static_cast<std::uint32_t>(curing * (1 - kMargin));
   for (std::uint32_t part = 0; part < CrossingHeight::kParts; ++part) {
     // In the upper half of its layer's range a crossing is above that layer's underside, in the lower half above that of the one below.

@@ -203,6 +203,8 @@ class WrittenArchive(Program):
         self.assertEqual(set(depths), {1, 8})
         self.assertEqual(self.hashes_of_print(self.scan, *same), hashes)
         self.assertEqual(self.hashes_of_print(part), hashes)
+        for masks in (part, self.out):
+            self.assertIn("found      no issues", self.run_it("check", masks, "--printer", SIM2K).stdout)
 
     def test_grey_is_the_profile_s_unless_it_is_asked_for(self):
         write_sphere(self.scan, points=5_000, radius=3)
