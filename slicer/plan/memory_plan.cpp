@@ -133,7 +133,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     set(Stage::kRRep, kept + rrep_stage_bytes(*grid, store_bytes(*grid, yield), yield));
     const std::uint32_t struts = most_struts(*grid);
     set(Stage::kSupports,
-        kept + sorted + std::max(find_supports_bytes(*grid), bleed_bytes(*grid, static_cast<std::size_t>(yield.crossings))));
+        kept + sorted +
+            std::max(find_supports_bytes(*grid), bleed_bytes(*grid, static_cast<std::size_t>(yield.crossings))));
     set(Stage::kLayers, kept + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts));
   }
   const std::size_t workers = threads * ray_worker_bytes(tile_capacity(evidence.ray_points.value_or(points)));
