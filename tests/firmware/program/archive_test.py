@@ -212,7 +212,7 @@ class WrittenArchive(Program):
         board, profile = self.dir / "grey.toml", self.dir / "profiles" / "mine.toml"
         board.write_text(SIM2K.read_text().replace('"sim2k" ', '"grey" ').replace('"standard"', '"mine"'))
         standard = (SOURCE_DIR / "board/profiles/standard.toml").read_text().replace('name = "standard"', 'name = "mine"')
-        profile.write_text(standard.replace("[print]", '[print]\ngrey = "vertical"'))
+        profile.write_text(standard.replace('grey = "off"', 'grey = "vertical"'))
 
         def sliced(*arguments, printer=board):
             self.run_it("slice", self.scan, "-o", self.out, "--printer", printer, "--layer-height", 0.2, "--no-preview", *arguments)
