@@ -52,7 +52,9 @@ std::vector<std::uint8_t> some_levels(std::mt19937_64& random) {
   std::vector<std::uint8_t> levels(kGreyColumns * kGreyRows, 0);
   for (std::uint32_t i = 0; i < levels.size(); ++i) {
     const std::uint32_t row = i / kGreyColumns;
-    levels[i] = row < 20 ? 77 : row < 30 ? std::array<std::uint8_t, 3>{0, 128, 255}[random() % 3] : 0;
+    levels[i] = row < 20   ? 77
+                : row < 30 ? std::array<std::uint8_t, 3>{0, 128, 255}[static_cast<std::size_t>(random() % 3)]
+                           : 0;
   }
   return levels;
 }
