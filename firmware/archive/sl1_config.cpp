@@ -1,8 +1,10 @@
 #include "firmware/archive/sl1_config.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <numeric>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -80,6 +82,10 @@ void add_print(const PrintProfile& profile, double layer_height_mm, Lines& lines
   lines.add("sla_print_settings_id", profile.name);
 }
 
+void add_corrections(std::string_view key, const std::array<double, 3>& by, Lines& lines) {
+  for (std::size_t i = 0; i < 3; ++i) lines.add(std::string(key) + "xyz"[i], by[i]);
+}
+
 }  // namespace
 
 std::string sl1_config(const Sl1Job& job) {
@@ -117,7 +123,9 @@ std::string slicer_printer(const BoardFile& board, const MachineFile& machine, c
   Lines lines;
   add_printer(board, profile, lines);
   lines.add("elefant_foot_compensation", profile.elefant_foot_compensation);
-  lines.add("gamma_correction", 0U);  // black and white: the panel shows no grey
+  lines.add("gamma_correction", machine.panel.grey.has_grey() ? 1U : 0U);  // 0: black and white
+  lines.add("absolute_correction", profile.absolute_correction);
+  add_corrections("relative_correction_", board.relative_correction, lines);
   const auto limits = [&](const char* shortest, const char* longest, PrintKey key) {
     const PrintField& field = kPrintFields[index_of(key)];
     lines.add(shortest, field.low);
@@ -133,6 +141,7 @@ std::string slicer_printer(const BoardFile& board, const MachineFile& machine, c
 std::string slicer_print(const PrintProfile& profile) {
   Lines lines;
   add_print(profile, profile.layer_height, lines);
+  add_corrections("material_correction_", profile.material_correction, lines);
   lines.add("supports_enable", profile.supports_enable ? 1U : 0U);
   lines.add("support_buildplate_only", profile.supports.buildplate_only ? 1U : 0U);
   // PrusaSlicer wants a pad's brim to reach beyond its slope, which ours need not, and has no keys for how supports are found.

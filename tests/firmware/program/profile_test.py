@@ -34,7 +34,9 @@ class Profile(Program):
         ini = dict(re.findall(r"^(\w+) = (.*)$", out.read_text(), re.MULTILINE))
         self.assertEqual((ini["display_pixels_x"], ini["display_pixels_y"], ini["display_width"]), ("1440", "2560", "68.04"))
         self.assertEqual((ini["layer_height"], ini["exposure_time"], ini["initial_exposure_time"]), ("0.1", "3", "25"))
-        self.assertEqual((ini["faded_layers"], ini["max_exposure_time"], ini["gamma_correction"]), ("6", "60", "0"))
+        self.assertEqual((ini["faded_layers"], ini["max_exposure_time"], ini["gamma_correction"]), ("6", "60", "1"))
+        self.assertEqual((ini["absolute_correction"], ini["relative_correction_x"], ini["material_correction_z"]), ("0", "1", "1"))
+        self.assertEqual(self.profile("prusaslicer", SOURCE_DIR / "board/mono2k.toml")["gamma_correction"], "0", "no grey")
         for note in ("BottomLayerCount_3", "LiftHeight_3", "LiftSpeed_120", "RetractSpeed2_120", "WaitTimeBeforeCure_0.2"):
             self.assertIn(f"\\n{note}\\n", ini["printer_notes"])
         self.assertEqual(ini["support_pillar_diameter"], "1")
