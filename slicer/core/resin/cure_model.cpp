@@ -34,7 +34,11 @@ double logarithm(double y) {
 CureDepths::CureDepths(const CureModel& model, double layer_height_mm)
     : model_(model), per_layer_(exponential(-std::min(700.0, layer_height_mm / model.penetration_mm))) {
   const std::uint32_t normal = model.bottom_layers + model.faded_layers;
-  for (std::uint32_t i = 0; i < kMostLayers; ++i) normal_[i] = depth_mm(normal, i + 1);
+  for (std::uint32_t first = 0; first <= kTabled; ++first) {
+    if (first < kTabled && first >= normal) continue;
+    for (std::uint32_t i = 0; i < kMostLayers; ++i)
+      table_[first][i] = depth_mm(first < kTabled ? first : normal, i + 1);
+  }
 }
 
 double CureDepths::depth_mm(std::uint32_t first, std::uint32_t count) const {
@@ -51,7 +55,8 @@ double CureDepths::depth_mm(std::uint32_t first, std::uint32_t count) const {
 double CureDepths::below_film_mm(std::uint32_t first, std::uint32_t count) const {
   if (count == 0) return 0;
   count = std::min(count, kMostLayers);
-  return first < model_.bottom_layers + model_.faded_layers ? depth_mm(first, count) : normal_[count - 1];
+  if (first >= model_.bottom_layers + model_.faded_layers) return table_[kTabled][count - 1];
+  return first < kTabled ? table_[first][count - 1] : depth_mm(first, count);
 }
 
 }  // namespace plumbline::inline slicer

@@ -1,6 +1,7 @@
 #pragma once
 /// How deep the light of a print's layers cures: Jacobs' working curve (1992), with the doses of all layers that reach a place.
 
+#include <array>
 #include <cstdint>
 
 #include "slicer/core/resin/foot_shrink.hpp"
@@ -45,8 +46,10 @@ class CureDepths {
   double depth_mm(std::uint32_t first, std::uint32_t count) const;
 
   CureModel model_;
-  double per_layer_;                 ///< what is left of a dose one layer height deeper
-  double normal_[kMostLayers] = {};  ///< of 1 to kMostLayers layers above the faded ones
+  double per_layer_;  ///< what is left of a dose one layer height deeper
+  /// Of 1 to kMostLayers layers above each of the first layers, and at the end above the faded ones. Usual prints have 13 bottom and faded layers.
+  static constexpr std::uint32_t kTabled = 32;
+  std::array<std::array<double, kMostLayers>, kTabled + 1> table_ = {};
 };
 
 }  // namespace plumbline::inline slicer
