@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """What prints cure, beside the rules of other slicers: deviation from the true surface, um, in pixels and layers of 50 um.
 
     compare_cured.py BUILD_FOLDER [OBJECT...]
