@@ -51,7 +51,7 @@ class Raiser {
     }
     // Below a thick part it is raised by what is cured below the lowest layer.
     const std::uint32_t lit = found.layer() + lifted_;
-    const double thick = stretch.height + depths_.below_film_mm(lit, CureDepths::kMostLayers) / layer_height_ - 1;
+    const double thick = stretch.height + depths_.below_film_mm(lit, CureDepths::kThick) / layer_height_ - 1;
     const double layers = stretch.entering == 0 && lifted_ == 0 ? 0 : std::floor(thick - end + 0.5);
     return {found, static_cast<std::uint32_t>(std::clamp(layers, 0.0, double{kMostLess}))};
   }

@@ -10,7 +10,9 @@ namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "edges";
-constexpr std::size_t kFewest = 1024;  ///< pixels of one layer that can be looked at, whatever the arena has
+/// New pixels that a layer may have for its pieces to be looked at; one with more begins a flat underside, beside which a strip is nothing.
+/// The same in any arena, so that masks are.
+std::size_t most_pixels(const PrintGrid& grid) { return std::size_t{grid.columns} * grid.rows / 32 + 1024; }
 
 /// A pixel that a layer has and the one below has not.
 struct NewPixel {
@@ -153,7 +155,8 @@ class FloatingEdges {
 
 std::size_t floating_edges_bytes(const PrintGrid& grid) {
   return 2 * Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
-         Arena::rounded(kFewest * sizeof(NewPixel)) + Arena::rounded(kFewest * sizeof(std::uint32_t));
+         Arena::rounded(most_pixels(grid) * sizeof(NewPixel)) +
+         Arena::rounded(most_pixels(grid) * sizeof(std::uint32_t));
 }
 
 Expected<std::uint64_t> drop_floating_edges(RRep& rrep, Arena& arena) {
@@ -164,8 +167,7 @@ Expected<std::uint64_t> drop_floating_edges(RRep& rrep, Arena& arena) {
   PLUMBLINE_TRY(lit);
   const auto fresh = arena.take_top<std::uint64_t>(words, kStage);
   PLUMBLINE_TRY(fresh);
-  const std::size_t room = arena.available() / 2 / (sizeof(NewPixel) + sizeof(std::uint32_t));
-  const std::size_t most = std::min(rrep.crossings(), std::max(room, kFewest));
+  const std::size_t most = std::min(rrep.crossings(), most_pixels(grid));
   const auto pixels = arena.take_top<NewPixel>(most, kStage);
   PLUMBLINE_TRY(pixels);
   const auto carried = arena.take_top<std::uint32_t>(most, kStage);

@@ -25,7 +25,7 @@ constexpr std::uint32_t marked_less(std::uint32_t packed, std::uint32_t layers) 
 /// @retval ErrorCode::kOutOfMemory  no room for floating_edges_bytes() at the top of the arena; rrep is unchanged
 [[nodiscard]] Expected<std::uint64_t> drop_floating_edges(RRep& rrep, Arena& arena);
 
-/// What drop_floating_edges() takes at least. With more, it looks at more pieces of one layer.
+/// The most that drop_floating_edges() takes.
 std::size_t floating_edges_bytes(const PrintGrid& grid);
 
 }  // namespace plumbline::inline slicer

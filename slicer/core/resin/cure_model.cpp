@@ -16,6 +16,8 @@ double exponential(double x) {
 
 namespace {
 
+constexpr double kNothing = 1.1e-4;  ///< of a dose: it cures Dp / 10,000 deeper
+
 /// ln y for y >= 1, by Halley's method.
 double logarithm(double y) {
   constexpr double kLn2 = 0.69314718055994530942;
@@ -32,31 +34,42 @@ double logarithm(double y) {
 }  // namespace
 
 CureDepths::CureDepths(const CureModel& model, double layer_height_mm)
-    : model_(model), per_layer_(exponential(-std::min(700.0, layer_height_mm / model.penetration_mm))) {
-  const std::uint32_t normal = model.bottom_layers + model.faded_layers;
-  for (std::uint32_t first = 0; first <= kTabled; ++first) {
-    if (first < kTabled && first >= normal) continue;
-    for (std::uint32_t i = 0; i < kMostLayers; ++i)
-      table_[first][i] = depth_mm(first < kTabled ? first : normal, i + 1);
-  }
+    : model_(model),
+      per_layer_(-layer_height_mm / model.penetration_mm),
+      next_(part_left(1)),
+      normal_(model.bottom_layers + model.faded_layers),
+      ends_(part_left(kTabled) < kNothing) {
+  const auto fill = [&](std::uint32_t row, std::uint32_t first) {
+    for (std::uint32_t i = 0; i < kTabled; ++i) table_[row][i] = depth_mm(first, i + 1);
+    table_[row][kTabled] = depth_mm(first, kThick);
+  };
+  for (std::uint32_t first = 0; first < std::min(normal_, kTabledFirst); ++first) fill(first, first);
+  fill(kTabledFirst, normal_);
 }
 
+double CureDepths::part_left(std::uint32_t layers) const { return exponential(std::max(-700.0, per_layer_ * layers)); }
+
 double CureDepths::depth_mm(std::uint32_t first, std::uint32_t count) const {
-  double sum = 0, largest = 0, share = 1;
-  for (std::uint32_t k = first; k < first + count; ++k, share *= per_layer_) {
-    const double dose = share * model_.dose_of(k);
-    sum += dose;
-    largest = std::max(largest, dose);
+  double sum = 0, largest = 0, part = 1;
+  const auto add = [&](double all, double strongest) {
+    sum += all;
+    largest = std::max(largest, strongest);
+  };
+  for (; first < normal_ && count > 0; ++first, count -= count == kThick ? 0 : 1, part *= next_) {
+    add(part * model_.dose_of(first), part * model_.dose_of(first));
   }
+  // The others have one dose: a geometric series.
+  if (count > 0) add(part * model_.dose * (1 - part_left(count)) / (1 - next_), part * model_.dose);
   const double dose = largest + (1 - model_.exchange) * (sum - largest);
   return dose > model_.critical_dose ? model_.penetration_mm * logarithm(dose / model_.critical_dose) : 0;
 }
 
 double CureDepths::below_film_mm(std::uint32_t first, std::uint32_t count) const {
   if (count == 0) return 0;
-  count = std::min(count, kMostLayers);
-  if (first >= model_.bottom_layers + model_.faded_layers) return table_[kTabled][count - 1];
-  return first < kTabled ? table_[first][count - 1] : depth_mm(first, count);
+  const bool is_thick = count == kThick || (count > kTabled && ends_);
+  const bool is_tabled = (first >= normal_ || first < kTabledFirst) && (count <= kTabled || is_thick);
+  if (!is_tabled) return depth_mm(first, count);
+  return table_[first >= normal_ ? kTabledFirst : first][is_thick ? kTabled : count - 1];
 }
 
 }  // namespace plumbline::inline slicer

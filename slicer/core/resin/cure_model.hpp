@@ -33,8 +33,7 @@ double exponential(double x);
 /// The depth to which a stack of layers cures below them.
 class CureDepths {
  public:
-  /// Light of layers farther away than this does not count: exp(-16 h / Dp) is below 1 / 700 for layers of 50 um in usual resins.
-  static constexpr std::uint32_t kMostLayers = 16;
+  static constexpr std::uint32_t kThick = UINT32_MAX;  ///< a count of layers: all above
 
   CureDepths(const CureModel& model, double layer_height_mm);
 
@@ -43,13 +42,19 @@ class CureDepths {
   double below_film_mm(std::uint32_t first, std::uint32_t count) const;
 
  private:
+  // Usual prints have 13 bottom and faded layers. In a clear resin, Dp 0.35 mm, a ten-thousandth of the light is left below 64 layers of 50 um.
+  static constexpr std::uint32_t kTabledFirst = 32, kTabled = 64;
+
+  double part_left(std::uint32_t layers) const;
   double depth_mm(std::uint32_t first, std::uint32_t count) const;
 
   CureModel model_;
-  double per_layer_;  ///< what is left of a dose one layer height deeper
-  /// Of 1 to kMostLayers layers above each of the first layers, and at the end above the faded ones. Usual prints have 13 bottom and faded layers.
-  static constexpr std::uint32_t kTabled = 32;
-  std::array<std::array<double, kMostLayers>, kTabled + 1> table_ = {};
+  double per_layer_;      ///< what is left of a dose one layer deeper is e to the power of this,
+  double next_;           ///< and that
+  std::uint32_t normal_;  ///< the first layer above the faded ones
+  bool ends_ = false;     ///< nothing of a layer's light is left kTabled layers below
+  /// For `first` and `count` - 1; the last of each: above the faded layers, and of a thick part.
+  std::array<std::array<double, kTabled + 1>, kTabledFirst + 1> table_ = {};
 };
 
 }  // namespace plumbline::inline slicer

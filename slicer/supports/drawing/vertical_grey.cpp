@@ -29,8 +29,7 @@ double grey_of(const CureModel& model, double layer_height_mm, double share) {
   if (!model.is_known()) return 1 - share;
   // Light in parts of E exp(-d / Dp), which a lit layer leaves at the front, d below its film: that of the layers above the grey one.
   const double next = exponential(-layer_height_mm / model.penetration_mm);
-  double above = 0, largest = next, part = 1;
-  for (std::uint32_t i = 1; i < CureDepths::kMostLayers; ++i) above += part *= next;
+  const double above = next / (1 - next), largest = next;
   const double rest = 1 - model.exchange;
   const double all = 1 + rest * above;
   const double needed = all * exponential(-share * layer_height_mm / model.penetration_mm);

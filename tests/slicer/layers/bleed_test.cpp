@@ -30,17 +30,24 @@ TEST(CureDepths, AreThoseOfTheWorkingCurve) {
   CureModel model = standard_resin();
   for (const double exchange : {0.0, 0.3, 1.0}) {
     model.exchange = exchange;
-    const CureDepths depths(model, kColumnLayer);
-    for (const std::uint32_t first : {0U, 3U, 7U, 9U, 10U, 500U}) {
-      for (const std::uint32_t count : {1U, 2U, 5U, 16U}) {
-        EXPECT_NEAR(depths.below_film_mm(first, count), depth_by_definition(model, first, first + count), 1e-9)
-            << first << ' ' << count;
+    for (const double penetration : {0.05, 0.12, 0.56, 2.0}) {  // light of many layers reaches far in a clear resin
+      model.penetration_mm = penetration;
+      for (const std::uint32_t bottom : {6U, 50U}) {
+        model.bottom_layers = bottom;
+        const CureDepths depths(model, kColumnLayer);
+        for (const std::uint32_t first : {0U, 3U, 7U, 9U, 10U, 40U, 500U}) {
+          for (const std::uint32_t count : {1U, 2U, 5U, 16U, 64U, 65U, 400U}) {
+            EXPECT_NEAR(depths.below_film_mm(first, count), depth_by_definition(model, first, first + count),
+                        1e-4 * penetration)
+                << first << ' ' << count << ", Dp " << penetration;
+          }
+          EXPECT_NEAR(depths.below_film_mm(first, CureDepths::kThick), depth_by_definition(model, first, first + 4000),
+                      1e-6);
+        }
       }
-      EXPECT_NEAR(depths.below_film_mm(first, 400), depth_by_definition(model, first, first + 400), 2e-4);
     }
   }
-  model.exchange = 0;
-  const CureDepths depths(model, kColumnLayer);
+  const CureDepths depths(standard_resin(), kColumnLayer);
   EXPECT_NEAR(depths.below_film_mm(500, 1), 0.121, 0.0005);
   EXPECT_NEAR(depths.below_film_mm(500, 400), 0.250, 0.001);
   EXPECT_EQ(depths.below_film_mm(500, 0), 0);
@@ -168,13 +175,17 @@ TEST(Bleed, KeepsALayerOfASheetThatStandsAlone) {
 }
 
 TEST(Bleed, DoesTheSameInLittleMemory) {
-  const Solid ball_here(cubic_grid(60, 60, 0.05F), ball(30, 30, 30, 25));
+  // A body with a broad lip that hangs lower than it.
+  const auto lip = [](double x, double y, double z) {
+    return y > 2 && y < 78 && ((x > 60 && x < 78 && z > 34) || (x > 4 && x <= 60 && z > 28 && z < 31.2 + 0.02 * x));
+  };
+  const Solid solid(cubic_grid(80, 60, 0.05F), lip);
   ArenaBlock plenty(kMiB);
-  ArenaBlock little(Arena::rounded(61 * 4) + Arena::rounded(ball_here.rrep.packed.size_bytes()) +
-                    bleed_bytes(ball_here.rrep.grid, ball_here.rrep.crossings()) + 8 * Arena::kAlignment);
+  ArenaBlock little(Arena::rounded(61 * 4) + Arena::rounded(solid.rrep.packed.size_bytes()) +
+                    bleed_bytes(solid.rrep.grid, solid.rrep.crossings()) + 8 * Arena::kAlignment);
   std::vector<std::vector<std::uint32_t>> found;
   for (ArenaBlock* const arena : {&plenty, &little}) {
-    RRep rrep = ball_here.rrep;
+    RRep rrep = solid.rrep;
     const auto first = value_of((*arena)->take_bottom<std::uint32_t>(rrep.first.size(), "test"));
     const auto packed = value_of((*arena)->take_bottom<std::uint32_t>(rrep.packed.size(), "test"));
     std::ranges::copy(rrep.first, first.begin());
