@@ -6,7 +6,6 @@
 
 #include "slicer/core/numbers/length.hpp"
 #include "slicer/core/stage_scope.hpp"
-#include "slicer/layers/bleed.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/mesh/mesh_counts.hpp"
 #include "slicer/normals/normals.hpp"
@@ -108,11 +107,10 @@ struct SliceReport : PreparationReport {
   bool turned_since = false;            ///< the figure has been turned, so that it need not be a side of the print
   Vec3d printed_mm =
       Vec3d::Zero();  ///< what the masks show of the object, without supports; the scan's noise may reach beyond it
-  std::uint32_t sunk_layers = 0;     ///< cut off below, so that it stands flat
-  SupportPlaces missed_supports;     ///< of settings.added: without a surface, so they get no tip
-  std::optional<BleedCounts> bleed;  ///< what add_supports() corrected
-  MaskExtent extent;                 ///< of the object
-  ConfidenceMap confidence;  ///< in the arena below the R-Rep and valid as long as it is; empty unless asked for
+  std::uint32_t sunk_layers = 0;  ///< cut off below, so that it stands flat
+  SupportPlaces missed_supports;  ///< of settings.added: without a surface, so they get no tip
+  MaskExtent extent;              ///< of the object
+  ConfidenceMap confidence;       ///< in the arena below the R-Rep and valid as long as it is; empty unless asked for
 };
 
 }  // namespace plumbline::inline slicer

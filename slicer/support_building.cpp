@@ -26,7 +26,7 @@ Expected<Supports> add_supports(RRep& rrep, const SliceSettings& settings, Arena
     report.planned(Stage::kSupports) = arena.used() + bleed;
     const auto corrected = correct_bleed(rrep, settings.cure, 0, arena);
     PLUMBLINE_TRY(corrected);
-    report.bleed = *corrected;
+    counts.bleed = *corrected;
     if (report.object_pixels && rrep.is_exact) {
       *report.object_pixels -= corrected->pixels;
     } else {
@@ -42,7 +42,6 @@ Expected<Supports> add_supports(RRep& rrep, const SliceSettings& settings, Arena
     SupportPlaces& missed = report.missed_supports;
     if ((counts.missed >> i & 1U) != 0) missed.list[missed.count++] = wanted.added.list[i];
   }
-  report.bleed = counts.bleed;
   const double layer_height = rrep.grid.layer_height_mm;
   if (counts.sunk > 0) {
     report.confidence.trim(counts.sunk, 0);

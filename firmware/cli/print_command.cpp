@@ -354,7 +354,7 @@ std::optional<MeasuredSurface> measure(const std::optional<TruthMesh>& truth, co
                                        const Witness& witness) {
   const Placement& placement = printable.slice.placement;
   if (placement.grid.layers == 0) return std::nullopt;  // an archive, or a print from its store
-  const auto& bleed = printable.slice.bleed;
+  const auto& bleed = printable.support_counts.bleed;
   MeasuredSurface surface{
       truth ? truth->surface(placement) : surface_samples(printable.parts.rrep, bleed ? bleed->model : CureModel()),
       {}};

@@ -25,7 +25,7 @@ struct MaskTurn {
   }
 };
 
-/// How much of the masks of a print is not white. On a panel without grey these pixels become white or black.
+/// How much of the masks of a print is grey. On a panel without grey these pixels become white or black.
 struct GreyShare {
   std::uint64_t lit = 0;   ///< pixels above black
   std::uint64_t grey = 0;  ///< of them neither black nor white

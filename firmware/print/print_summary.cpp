@@ -107,7 +107,7 @@ void add_part(Text& text, const PartFigures& part) {
 void add_deviation(Text& text, const DeviationFigures& from) {
   text.add("deviation  %.0f um RMS from %s", from.rms, from.against.c_str());
   const auto add = [&text](const char* what, double mean, double rms) {
-    if (std::isfinite(mean)) text.add(", %s %+.0f um (%.0f um RMS about it)", what, mean, rms);
+    if (std::isfinite(mean)) text.add(", %s %+ld um (%.0f um RMS about it)", what, std::lround(mean), rms);
   };
   add("undersides", from.down_mean, from.down_rms);
   add("walls", from.wall_mean, from.wall_rms);

@@ -93,7 +93,7 @@ void correct_sizes(const PrintProfile& profile, const BoardFile& board, SliceSet
 /// How the light of a print cures; not known if the profile has no `exchange`.
 CureModel cure_model(const PrintProfile& profile, const MachineFile& machine);
 
-/// The same for masks that have grey pixels; not known if theirs are black and white: the profile says so, or the panel shows no others.
+/// cure_model() if masks are to have grey pixels; not known if the profile has `grey` off or the panel shows black and white only.
 CureModel grey_model(const PrintProfile& profile, const MachineFile& machine);
 
 /// What the checks of the masks need to know of the print: the resin, the compensation of elephant's foot, and how deep light cures.

@@ -215,7 +215,7 @@ Status write_summary(OutputFile& out, const JobReport& report, const char* outpu
   add_clusters(text, report.slice);
   add_rays(text, report);
   add_evidence(text, report);
-  add_bleed(text, report.slice.bleed);
+  add_bleed(text, report.supports.bleed);
   add_supports(text, report);
   PLUMBLINE_TRY(out.write(text.view()));
   text.clear();

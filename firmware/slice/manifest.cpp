@@ -299,7 +299,7 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
                  layer_hashes.empty() ? std::span<const ConfidenceMap::Counts>{} : slice.confidence.layers());
   write_proof(json, slice.proof);
   json.member("volume_mm3", report.volume_mm3());
-  write_bleed(json, report.slice.bleed);
+  write_bleed(json, report.supports.bleed);
   write_supports(json, report);
   write_issues(json, report.findings, slice.placement.grid, report.checks);
   write_stages(json, report);

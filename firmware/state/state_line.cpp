@@ -189,7 +189,7 @@ void write_proposals(JsonWriter& json, const PrinterRecord& record) {
 void write_sliced(JsonWriter& json, const PrinterRecord& record) {
   if (!record.sliced) return json.null();
   json.begin_object(kOneLine);
-  // Of the object, as places in it are: the values have the machine's.
+  // The lengths of the object when it has shrunk, like those of places in it. `values` has those of the machine.
   const Vec3d shrinks = record.sliced->sizes.relative();
   constexpr double kDigits = 1e6;
   const double layer_mm = record.sliced->plan.layer_height.millimetres() / shrinks[2];

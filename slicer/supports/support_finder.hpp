@@ -27,7 +27,7 @@ struct SupportCounts {
   UnreachedTips unreached_islands, unreached_overhangs;
   std::uint32_t added = 0;           ///< of settings.added, reached or not; they count as tips, too
   std::uint32_t missed = 0;          ///< bit i: none, since there is no surface at settings.added.list[i]
-  std::optional<BleedCounts> bleed;  ///< corrected before they were sought
+  std::optional<BleedCounts> bleed;  ///< corrected before supports were sought, or without any
   std::uint32_t braces = 0;
   std::uint32_t helpers = 0;  ///< pillars that carry nothing but brace another
   std::uint32_t specks = 0;   ///< left out of the print instead

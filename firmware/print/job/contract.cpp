@@ -132,7 +132,7 @@ void write_contract(JsonWriter& json, const Contract& contract) {
   json.member("grey_percent", thousandths(100 * contract.grey));
   json.member("grey_lost_percent", thousandths(100 * contract.grey_lost));
   json.member("shows_grey", contract.shows_grey);
-  json.member("vertical_grey", contract.plan.grey.is_known());
+  json.member("grey", kGreyWords[contract.plan.grey.is_known() ? 1 : 0]);
   json.member("resin_ml", thousandths(contract.resin_ml));
   json.member("time_s", contract.time);
   constexpr double kDigits = 1e6;

@@ -73,7 +73,6 @@ Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, BitImage out, Grey
     facts.making += HostClock::now() - copied;
   } else if (greys != nullptr) {
     for (const GreyRun& run : source_->greys()) greys->add(run);
-    set_bits(greys->runs(), out);
   }
   facts.hash = mask_hash(out, greys != nullptr ? greys->runs() : std::span<const GreyRun>());
   facts.pixels = ConstBitImage(out).count();

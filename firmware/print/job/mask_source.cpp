@@ -17,19 +17,15 @@ Expected<StreamMasks> StreamMasks::create(const RRep& rrep, const Supports& supp
   PLUMBLINE_TRY(stream);
   StreamMasks masks(*stream);
   if (!grey.is_known()) return masks;
-  const auto found = VerticalGrey::create(rrep, supports, grey, layer_height_mm, arena);
-  PLUMBLINE_TRY(found);
-  masks.grey_ = *found;
-  const auto greys = take_greys(rrep.grid, true, arena);
-  PLUMBLINE_TRY(greys);
-  masks.greys_ = *greys;
+  const auto made = GreyMasks::create(rrep, supports, grey, layer_height_mm, arena);
+  PLUMBLINE_TRY(made);
+  masks.grey_ = *made;
   return masks;
 }
 
 Expected<ConstBitImage> StreamMasks::mask(std::uint32_t layer) {
   const ConstBitImage mask = stream_.mask(layer);
-  if (grey_) grey_->find(layer, stream_.section(), mask, greys_);
-  return mask;
+  return grey_ ? grey_->find(layer, stream_, mask) : mask;
 }
 
 Expected<ArchiveMasks> ArchiveMasks::create(int file, std::string_view name, const PrintGrid& grid,

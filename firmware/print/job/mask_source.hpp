@@ -7,13 +7,13 @@
 #include <string>
 
 #include "firmware/archive/layer_archive.hpp"
+#include "firmware/slice/grey_masks.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/grey_runs.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
-#include "slicer/supports/drawing/vertical_grey.hpp"
 
 namespace plumbline::firmware {
 
@@ -42,12 +42,11 @@ class StreamMasks final : public MaskSource {
 
   const PrintGrid& grid() const override { return stream_.grid(); }
   Expected<ConstBitImage> mask(std::uint32_t layer) override;
-  std::span<const GreyRun> greys() const override { return greys_.runs(); }
+  std::span<const GreyRun> greys() const override { return grey_ ? grey_->greys() : std::span<const GreyRun>(); }
 
  private:
   MaskStream stream_;
-  std::optional<VerticalGrey> grey_;
-  GreyRuns greys_;
+  std::optional<GreyMasks> grey_;
 };
 
 /// Decodes a layer of an archive.
