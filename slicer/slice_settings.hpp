@@ -7,6 +7,7 @@
 #include "slicer/core/resin/cure_model.hpp"
 #include "slicer/core/resin/foot_shrink.hpp"
 #include "slicer/core/resin/peel_force.hpp"
+#include "slicer/layers/adaptive_layers.hpp"
 #include "slicer/orientation/clean_side.hpp"
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"
@@ -29,6 +30,7 @@ struct SliceSettings {
   /// mm by which every outline of a layer is moved, outwards if above 0: light cures walls a little too far out. -0.5 to 0.5
   double absolute_correction_mm = 0;
   CureModel cure;             ///< of the print: if it is known, add_supports() corrects the object for bleed
+  AdaptiveLayers adaptive;    ///< of the print: if it is wanted, add_supports() chooses the heights of its layers
   PeelSettings peel;          ///< of the resin: for the checks of the masks only
   FootShrink foot;            ///< of the print: for the checks of the masks only
   double overcure_mm = 0;     ///< by which a layer's light cures more than the layer: for the checks of the masks only

@@ -19,15 +19,27 @@ std::uint32_t most_layers(const PlacementSettings& placement) {
 
 Expected<Supports> add_supports(RRep& rrep, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                                 SliceReport& report, SupportCounts& counts) {
-  if (!settings.supports && !settings.cure.is_known()) return Supports{};
+  const bool adaptive = settings.adaptive.wanted();
+  if (!settings.supports && !settings.cure.is_known() && !adaptive) return Supports{};
   const StageScope stage(Stage::kSupports, {arena, progress, report});
-  const std::size_t bleed = settings.cure.is_known() ? bleed_bytes(rrep.grid, rrep.crossings()) : 0;
+  const std::size_t bleed = std::max(settings.cure.is_known() ? bleed_bytes(rrep.grid, rrep.crossings()) : 0,
+                                     adaptive ? steps_bytes(rrep.grid, 0) : 0);
   if (!settings.supports) {
     report.planned(Stage::kSupports) = arena.used() + bleed;
-    const auto corrected = correct_bleed(rrep, settings.cure, 0, arena);
+    if (adaptive) {
+      const auto steps = choose_steps(rrep, settings.adaptive, 0, settings.cure, arena);
+      PLUMBLINE_TRY(steps);
+      counts.steps = *steps;
+    }
+    if (!settings.cure.is_known()) {
+      take_steps(rrep, counts.steps, 0);
+      report.object_pixels.reset();
+      return Supports{};
+    }
+    const auto corrected = correct_bleed(rrep, settings.cure, 0, arena, counts.steps);
     PLUMBLINE_TRY(corrected);
     counts.bleed = *corrected;
-    if (report.object_pixels && rrep.is_exact) {
+    if (report.object_pixels && rrep.is_exact && !adaptive) {
       *report.object_pixels -= corrected->pixels;
     } else {
       report.object_pixels.reset();  // small features are removed anew
@@ -36,7 +48,8 @@ Expected<Supports> add_supports(RRep& rrep, const SliceSettings& settings, Arena
   }
   const SupportSettings& wanted = *settings.supports;
   report.planned(Stage::kSupports) = arena.used() + std::max(bleed, find_supports_bytes(rrep, wanted));
-  auto supports = find_supports(rrep, wanted, most_layers(settings.placement), arena, progress, counts, settings.cure);
+  auto supports = find_supports(rrep, wanted, most_layers(settings.placement), arena, progress, counts, settings.cure,
+                                settings.adaptive);
   PLUMBLINE_TRY(supports);
   for (std::uint32_t i = 0; i < wanted.added.all().size(); ++i) {
     SupportPlaces& missed = report.missed_supports;

@@ -131,6 +131,11 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
                  .is_exact = answer.is_exact != 0};
   if (sliced.rrep.first.size() != layer_ends || sliced.rrep.packed.size() != answer.crossings) return wrong("places");
   if (!is_rrep(sliced.rrep)) return wrong("crossings");
+  if (!answer.steps.valid() || answer.steps.all_one() == request.settings.adaptive.wanted() ||
+      answer.steps.layers(grid.layers) == 0) {
+    return wrong("heights of the layers");
+  }
+  sliced.support_counts.steps = answer.steps;
 
   if (answer.supports > 0) {
     if (!request.settings.supports || answer.supports > most_struts(grid)) return wrong("number of supports");

@@ -11,6 +11,7 @@
 #include "firmware/slice/orientation_proposals.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/resin/layer_steps.hpp"
 #include "slicer/rrep/point_proof.hpp"
 
 namespace plumbline::firmware {
@@ -39,6 +40,7 @@ struct ScanAnswer {
   std::uint64_t bottom_used = 0;  ///< bytes; all that follows is below
   std::uint32_t layers = 0;
   std::uint32_t is_exact = 0;     ///< RRep::is_exact; any other number than 0 is true
+  LayerSteps steps;               ///< of the print's layers
   std::uint32_t supports = 0;     ///< how many
   std::uint64_t crossings = 0;    ///< how many
   std::uint64_t first_at = 0;     ///< RRep::first

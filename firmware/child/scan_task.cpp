@@ -28,6 +28,7 @@ void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena&
   answer.bottom_used = arena.bottom_used();
   answer.layers = sliced.rrep.grid.layers;
   answer.is_exact = sliced.rrep.is_exact ? 1 : 0;
+  answer.steps = sliced.support_counts.steps;
   answer.crossings = sliced.rrep.packed.size();
   answer.first_at = place(sliced.rrep.first.data());
   answer.packed_at = place(sliced.rrep.packed.data());

@@ -72,9 +72,10 @@ struct PrintOptions {
   CheckChoice checks;      ///< overrides the profile's
   PrintValues set{};       ///< override the profile's and the archive's
 
+  bool is_adaptive() const { return job.layer_height_mm && *job.layer_height_mm < 0; }
   PrintValues by_person() const {
     PrintValues all = set;
-    if (job.layer_height_mm) all[index_of(PrintKey::kLayerHeight)] = job.layer_height_mm;
+    if (job.layer_height_mm && *job.layer_height_mm > 0) all[index_of(PrintKey::kLayerHeight)] = job.layer_height_mm;
     return all;
   }
 };

@@ -110,6 +110,7 @@ Expected<Printer> read_printer(const PrintOptions& options) {
   printer.profile.checks = options.checks.over(printer.profile.checks);
   PLUMBLINE_TRY(choose_grey(options.grey, printer.board, printer.machine, printer.profile));
   set_values(printer.profile, options.by_person(), ValueSource::kPerson);
+  printer.profile.adaptive = options.is_adaptive();
   return printer;
 }
 
@@ -354,6 +355,8 @@ std::optional<MeasuredSurface> measure(const std::optional<TruthMesh>& truth, co
                                        const Witness& witness) {
   const Placement& placement = printable.slice.placement;
   if (placement.grid.layers == 0) return std::nullopt;  // an archive, or a print from its store
+  // The R-Rep of an adaptive print has the heights of its layers, not those of the surface.
+  if (!truth && !printable.support_counts.steps.all_one()) return std::nullopt;
   const auto& bleed = printable.support_counts.bleed;
   MeasuredSurface surface{
       truth ? truth->surface(placement) : surface_samples(printable.parts.rrep, bleed ? bleed->model : CureModel()),
@@ -451,7 +454,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
     return report_error(possible.error());
   }
   JobOptions job = options.job;
-  if (!job.layer_height_mm) job.layer_height_mm = printer->profile.layer_height;
+  if (!job.layer_height_mm || options.is_adaptive()) job.layer_height_mm = finest_layer_mm(printer->profile);
   const auto setup = set_up(job, arena_block.size());
   if (!setup) return report_error(setup.error());
   std::optional<JobStore> store;

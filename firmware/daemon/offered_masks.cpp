@@ -12,7 +12,7 @@ Expected<std::unique_ptr<OfferedScanMasks>> OfferedScanMasks::create(const Slice
   std::unique_ptr<OfferedScanMasks> offered(new OfferedScanMasks(arena));
   const auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena);
   PLUMBLINE_TRY(stream);
-  offered->stream_.emplace(*stream);
+  offered->stream_.emplace(*stream, plan.steps);
   const auto masks = MaskRenderer::create(*offered->stream_, plan, arena);
   PLUMBLINE_TRY(masks);
   offered->masks_ = *masks;

@@ -236,6 +236,7 @@ Status PrinterDaemon::propose(const StickMount& mount, StickOffer& offer) {
   auto profile = settings_.profile(job.profile);
   PLUMBLINE_TRY(profile);
   set_values(*profile, job.print_values(), ValueSource::kPerson);
+  profile->adaptive = job.is_adaptive();
   auto scan = open_scan(job, mount);
   PLUMBLINE_TRY(scan);
   auto request = stick_request(job, *scan, *profile, settings_);
@@ -386,6 +387,7 @@ Expected<PrinterDaemon::ReadJob> PrinterDaemon::read_job(const StickMount& mount
   auto profile = settings_.profile(job.profile);
   PLUMBLINE_TRY(profile);
   set_values(*profile, job.print_values(), ValueSource::kPerson);
+  profile->adaptive = job.is_adaptive();
   auto scan = open_scan(job, mount);
   PLUMBLINE_TRY(scan);
   apply(PrintEvent::kJobTaken);

@@ -37,7 +37,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   placement.fit = job.fit;
   placement.size = job.size;
   placement.rotation_degrees = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
-  placement.layer_height_mm = static_cast<float>(profile.layer_height);
+  placement.layer_height_mm = static_cast<float>(finest_layer_mm(profile));
   placement.printer = printer_volume(daemon.board);
   const bool is_sliced = is_archive_name(scan[0].name());
   if (!is_sliced) correct_sizes(profile, daemon.board, request.settings);
@@ -52,7 +52,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   placement.room.beside_mm += std::max(0.0, request.settings.absolute_correction_mm);
   if (is_sliced) {
     JobSettings settings = job;
-    settings.layer_height = 0;
+    if (!job.is_adaptive()) settings.layer_height = 0;
     settings.values = {};
     if (settings != JobSettings()) {
       return telling(Told(PrinterCode::kArchiveSettings, {}, job.title()),
@@ -66,7 +66,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
     request.archive.shows_grey = daemon.machine.panel.grey.has_grey();
     request.settings.supports.reset();
   }
-  PLUMBLINE_TRY(plan_print(profile, daemon.machine, profile.layer_height, 1));
+  PLUMBLINE_TRY(plan_print(profile, daemon.machine, finest_layer_mm(profile), 1));
   return request;
 }
 

@@ -51,7 +51,7 @@ Status PrintSession::load() {
   journal_file_ = std::move(stored->journal);
   const auto journal = Journal::open(*journal_file_);
   PLUMBLINE_TRY(journal);
-  if (journal->job_hash() != job.hash || journal->layers() != grid().layers) {
+  if (journal->job_hash() != job.hash || journal->layers() != plan().layers) {
     return fail(ErrorCode::kMalformed, "the stored job and its journal are of different prints");
   }
   journal_ = *journal;
@@ -75,14 +75,14 @@ Status PrintSession::make_ready() {
     source_ = std::move(*layers);
   } else {
     const auto stream = StreamMasks::create(what_.parts.rrep, what_.parts.supports, plan().grey,
-                                            plan().layer_height.millimetres(), arena_);
+                                            plan().layer_height.millimetres(), arena_, plan().steps);
     PLUMBLINE_TRY(stream);
     source_ = *stream;
   }
   const auto masks = MaskRenderer::create(source(), plan(), arena_);
   PLUMBLINE_TRY(masks);
   masks_ = *masks;
-  const std::size_t exposures = std::size_t{grid().layers} + kSpareExposures;
+  const std::size_t exposures = std::size_t{plan().layers} + kSpareExposures;
   const auto lines = arena_.take_bottom<ExposureLine>(exposures, "report");
   PLUMBLINE_TRY(lines);
   lines_ = *lines;

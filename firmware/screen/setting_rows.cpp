@@ -74,13 +74,14 @@ std::string_view next_profile(const PrinterRecord& record, const JobRecord& job)
 }
 
 std::string_view next_layer_height(const JobRecord& job) {
+  if (job.is_adaptive()) return "";
   if (job.layer_height <= 0) return kLayerHeights[0];
   FixedText<16> now;
   now.add("%g", job.layer_height);
   for (std::size_t i = 0; i + 1 < kLayerHeights.size(); ++i) {
     if (now.view() == kLayerHeights[i]) return kLayerHeights[i + 1];
   }
-  return "";
+  return kAdaptiveWord;
 }
 
 }  // namespace
@@ -135,7 +136,9 @@ SettingRow setting_row(std::size_t row, const PrinterRecord& record, Language la
       break;
     case Row::kLayerHeight:
       shown.label = Words::kLayerHeight;
-      if (job.layer_height > 0) {
+      if (job.is_adaptive()) {
+        say(Words::kAdaptive);
+      } else if (job.layer_height > 0) {
         add_mm(shown.value, job.layer_height, 3, language);
       } else {
         say(Words::kOfProfile);

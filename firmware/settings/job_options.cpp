@@ -44,6 +44,10 @@ Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes) {
     setup.board = std::move(*board);
   }
   if (options.pixel_pitch_mm) placement.pixel_pitch_mm = static_cast<float>(*options.pixel_pitch_mm);
+  if (options.layer_height_mm && *options.layer_height_mm < 0) {
+    return fail(ErrorCode::kBadSetting,
+                "--layer-height adaptive is for prints: in files all layers have one height.\tGive it in mm");
+  }
   if (options.layer_height_mm) placement.layer_height_mm = static_cast<float>(*options.layer_height_mm);
   if (options.arena_mib) arena_mib = *options.arena_mib;
   if (arena_mib > built_mib) {

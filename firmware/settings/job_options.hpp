@@ -21,7 +21,7 @@ struct JobOptions {
   std::vector<std::string> scans;                ///< files of one scan, in this order; 1 to kMostScans
   std::string printer;                           ///< a printer's name or board file; empty: none
   std::optional<double> pixel_pitch_mm;          ///< kFinestMm to kCoarsestMm; without a printer only
-  std::optional<double> layer_height_mm;         ///< kFinestMm to kCoarsestMm
+  std::optional<double> layer_height_mm;         ///< kFinestMm to kCoarsestMm, or kAdaptiveHeight
   std::optional<double> absolute_correction_mm;  ///< -kMostMoved to kMostMoved
   double scale = 1;                              ///< kSmallestScale to kLargestScale
   bool fit = false;                              ///< with a printer only
@@ -73,7 +73,7 @@ SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportS
 
 /// Completes the options.
 /// @param built_bytes  of the largest arena the program was built for
-/// @retval ErrorCode::kBadSetting  the job asks for more arena than that
+/// @retval ErrorCode::kBadSetting  the job asks for more arena than that, or still for an adaptive layer height
 /// @retval any error of read_board_file()
 [[nodiscard]] Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes);
 

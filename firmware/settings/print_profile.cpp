@@ -31,6 +31,8 @@ std::vector<SettingRule> rules_for(PrintProfile& p, SupportChoice& supports) {
       {"resin", "bottle_cost", &p.bottle_cost, 0, 100000, "", kOptional},
       {"resin", "bottle_volume", &p.bottle_volume, 1, 100000, " ml", kOptional},
       {"print", "absolute_correction", &p.absolute_correction, -kMostMoved, kMostMoved, " mm", kOptional},
+      {"print", "min_layer_height", &p.min_layer_height, 0.005, 1, " mm", kOptional},
+      {"print", "max_layer_height", &p.max_layer_height, 0.005, 1, " mm", kOptional},
       {"print", "grey", choice(std::span(kGreyWords), p.grey), 0, 0, "", kOptional},
       {"supports", "supports_enable", &p.supports_enable, 0, 0, "", kOptional},
   };
@@ -58,6 +60,10 @@ Expected<PrintProfile> parse_print_profile(std::string_view text, std::string_vi
   const auto check = [&](const SettingRule& rule) -> std::string {
     if (rule.key == "grey" && profile.grey != Grey::kOff && !profile.exchange) {
       return "allowed without exchange in [resin] is off: it says what light cures";
+    }
+    if (rule.key == "max_layer_height") {
+      const double times = profile.max_layer_height / profile.min_layer_height;
+      if (times < 3 || times >= LayerSteps::kMostStep + 2) return "allowed is 3 to 16 times min_layer_height";
     }
     if (rule.key == "retract_height2" && profile.retract_height2 > profile.lift_height + profile.lift_height2) {
       return "allowed is at most the whole lift, lift_height + lift_height2";
@@ -94,6 +100,27 @@ Expected<PrintProfile> read_print_profile(const std::string& name_or_path, const
   PLUMBLINE_TRY(path);
   return read_print_profile(*path);
 }
+
+namespace {
+
+/// The nearest odd number of the least height, at most `most`.
+std::uint32_t odd_step(double height_mm, double least_mm, std::uint32_t most) {
+  constexpr double kRounding = 1e-6;
+  const double half = std::floor((height_mm / least_mm + kRounding) / 2);
+  return std::min(most, 2 * static_cast<std::uint32_t>(half) + 1);
+}
+
+AdaptiveLayers adaptive_layers(const PrintProfile& profile) {
+  AdaptiveLayers layers;
+  const double least = profile.min_layer_height;
+  // The highest that is not above the most.
+  layers.most = odd_step(profile.max_layer_height - least, least, LayerSteps::kMostStep);
+  layers.first = odd_step(profile.layer_height, least, layers.most);
+  layers.first_layers = profile.bottom_layer_count + profile.faded_layers;
+  return layers;
+}
+
+}  // namespace
 
 PrintProfile profile_or_defaults(const std::optional<BoardFile>& board) {
   if (!board || !board->machine) return {};
@@ -133,17 +160,26 @@ void correct_sizes(const PrintProfile& profile, const BoardFile& board, SliceSet
   settings.absolute_correction_mm = profile.absolute_correction;
 }
 
+double finest_layer_mm(const PrintProfile& profile) {
+  return profile.adaptive ? profile.min_layer_height : profile.layer_height;
+}
+
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings) {
   settings.peel = profile.peel;
   settings.foot = {profile.elefant_foot_compensation, profile.bottom_layer_count, profile.faded_layers};
+  const double shrinks = settings.placement.correction[2];  // light goes as deep as the machine measures
+  const double height = profile.layer_height / shrinks;
+  settings.adaptive = profile.adaptive ? adaptive_layers(profile) : AdaptiveLayers();
   // The dose of a normal layer; bottom and faded layers get more.
   const double dose = machine.power_mw_cm2 * profile.exposure_time;
   settings.cure = {};
   if (dose <= 0 || profile.critical_energy <= 0) return;
-  const double shrinks = settings.placement.correction[2];  // light goes as deep as the machine measures
   settings.cure = cure_model(profile, machine);
   settings.cure.penetration_mm /= shrinks;
+  settings.cure.layer_height_mm = height;
   const double depth = cure_depth_mm(profile, dose) / shrinks;
-  settings.overcure_mm = std::max(0.0, depth - static_cast<double>(settings.placement.layer_height_mm));
+  // All layers of an adaptive print cure as far beyond themselves as one of the profile's height.
+  const double layer = profile.adaptive ? height : static_cast<double>(settings.placement.layer_height_mm);
+  settings.overcure_mm = std::max(0.0, depth - layer);
 }
 }  // namespace plumbline::firmware::inline settings

@@ -38,7 +38,10 @@ struct PrintProfile {
   PeelSettings peel;                     ///< [resin] green_strength, plate_adhesion and peel_...
   double bottle_cost = 0;                ///< [resin] of a bottle, in any currency; 0: unknown
   double bottle_volume = 0;              ///< [resin] ml of a bottle; 0: unknown
-  double layer_height = 0;               ///< [print] mm
+  double layer_height = 0;               ///< [print] mm; of an adaptive print, that of the exposures
+  double min_layer_height = 0.02;        ///< [print] mm, of an adaptive print
+  double max_layer_height = 0.1;         ///< [print] mm, of an adaptive print
+  bool adaptive = false;                 ///< layers are as high as the surface allows
   Grey grey = Grey::kOff;                ///< [print]
   double initial_layer_height = 0;       ///< mm, of an archive's first layer; 0: as high as the others
   double exposure_time = 0;              ///< [print] s
@@ -96,8 +99,11 @@ CureModel cure_model(const PrintProfile& profile, const MachineFile& machine);
 /// cure_model() if masks are to have grey pixels; not known if the profile has `grey` off or the panel shows black and white only.
 CureModel grey_model(const PrintProfile& profile, const MachineFile& machine);
 
-/// What the checks of the masks need to know of the print: the resin, the compensation of elephant's foot, and how deep light cures.
-/// @param settings  after correct_sizes(): its layer height is read
+/// Height of the R-Rep's layers for a print, mm: of an adaptive one the least.
+double finest_layer_mm(const PrintProfile& profile);
+
+/// What the slicer needs to know of the print: the resin, the compensation of elephant's foot, how deep light cures, and how high layers may be.
+/// @param settings  after correct_sizes(): its layer height, finest_layer_mm() of the machine, is read
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings);
 
 }  // namespace plumbline::firmware::inline settings

@@ -41,6 +41,9 @@ std::string allowed(const SettingRule& rule) {
     std::string operator()(const PlaceListSetting& places) const {
       return "an array of up to 32 " + std::string(places.field->allowed);
     }
+    std::string operator()(const NumberOrWord& either) const {
+      return "a number from " + range + rule.unit + ", or the string \"" + std::string(either.word) + "\"";
+    }
     std::string operator()(const ChoiceSetting& choice) const { return "one of the strings " + listed(choice.words); }
     std::string operator()(const NumberChoiceSetting& choice) const {
       return "one of the integers " + listed(choice.numbers) + rule.unit;

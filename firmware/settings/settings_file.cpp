@@ -129,6 +129,11 @@ bool store(const SettingRule& rule, const toml::node& node) {
       *real = *value;
       return true;
     }
+    bool operator()(const NumberOrWord& either) const {
+      if (node.value_exact<std::string_view>() != either.word) return (*this)(either.value);
+      *either.value = either.number;
+      return true;
+    }
     bool operator()(bool* truth) const {
       const auto value = node.value_exact<bool>();
       if (value) *truth = *value;

@@ -32,6 +32,12 @@ struct NumberChoiceSetting {
   std::span<const std::uint32_t> numbers;
   std::uint32_t* value = nullptr;
 };
+/// A number, or a word that becomes one.
+struct NumberOrWord {
+  double* value = nullptr;
+  std::string_view word;
+  double number = 0;
+};
 /// Degrees that a display can be turned by.
 inline constexpr std::array<std::uint32_t, 4> kRotations = {0, 90, 180, 270};
 
@@ -74,7 +80,7 @@ struct SettingRule {
   std::string_view table;
   std::string_view key;
   std::variant<TextSetting, PathListSetting, std::uint32_t*, double*, bool*, ChoiceSetting, NumberChoiceSetting,
-               std::optional<double>*, std::optional<bool>*, PlaceListSetting>
+               std::optional<double>*, std::optional<bool>*, PlaceListSetting, NumberOrWord>
       value;
   double low = 0;         ///< least number, or fewest characters of each text; unused for a choice
   double high = 0;        ///< greatest; both are allowed

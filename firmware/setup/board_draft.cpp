@@ -31,7 +31,8 @@ std::string shown(const SettingRule& rule) {
     std::string operator()(const std::optional<bool>* truth) const { return *truth ? (*this)(&**truth) : ""; }
     std::string operator()(const ChoiceSetting& choice) const { return std::string(choice.words[choice.load()]); }
     std::string operator()(const NumberChoiceSetting& choice) const { return std::to_string(*choice.value); }
-    std::string operator()(const PlaceListSetting&) const { return ""; }  // no board has any
+    std::string operator()(const PlaceListSetting&) const { return ""; }  // no board has any, nor
+    std::string operator()(const NumberOrWord&) const { return ""; }
   };
   return std::visit(Show{}, rule.value);
 }

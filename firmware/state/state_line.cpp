@@ -150,7 +150,11 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.member("rotate_x_deg", job.rotate_x_deg);
   json.member("rotate_y_deg", job.rotate_y_deg);
   json.member("rotate_z_deg", job.rotate_z_deg);
-  json.member("layer_height", only_if(job.layer_height > 0, job.layer_height));
+  if (job.is_adaptive()) {
+    json.member("layer_height", kAdaptiveWord);
+  } else {
+    json.member("layer_height", only_if(job.layer_height > 0, job.layer_height));
+  }
   write_supports(json, job.supports);
   json.member("proposal", mapped(record.proposal(), [](auto i) { return static_cast<std::uint32_t>(i); }));
   json.member("as", job.as);
@@ -195,6 +199,11 @@ void write_sliced(JsonWriter& json, const PrinterRecord& record) {
   const double layer_mm = record.sliced->plan.layer_height.millimetres() / shrinks[2];
   json.member("layer_height_mm", std::round(layer_mm * kDigits) / kDigits);
   json.member("layers", record.sliced->plan.layers);
+  json.begin_array("layer_runs", kOneLine);
+  for (const LayerSteps::Run& run : record.sliced->plan.steps.runs()) {
+    json.value(std::array<std::uint32_t, 2>{run.layers_end, run.step});
+  }
+  json.end_array();
   json.member("mask_pixel_mm", std::array{record.mask_pixel_mm[0] / shrinks[0], record.mask_pixel_mm[1] / shrinks[1]});
   write_contract(json, *record.sliced);
   json.end_object();

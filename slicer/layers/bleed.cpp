@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slicer/layers/adaptive_layers.hpp"
 #include "slicer/layers/floating_edges.hpp"
 #include "slicer/rrep/mask_extent.hpp"
 
@@ -13,13 +14,46 @@ constexpr const char* kStage = "bleed";
 constexpr std::uint32_t kOutside = 0xFFFFFFFFU;
 constexpr std::uint32_t kMostShift = 255;  ///< layers; of the thinnest, 5 um, more than 1 mm
 
-/// Where the light of a ray cures down to if it is lit in the layers from `lit` to `exit` - 1, in layers.
-double front_of(const CureDepths& depths, double layer_height, std::uint32_t lit, std::uint32_t exit,
-                std::uint32_t lifted) {
-  return lit + 1 - depths.below_film_mm(lit + lifted, exit - lit) / layer_height;
-}
+/// The layers of the print that are lit on a ray. All heights are in layers of the R-Rep, above its first.
+class LitLayers {
+ public:
+  /// @param lifted  layers of the R-Rep that the print has below its first
+  LitLayers(const CureDepths& depths, double layer_height_mm, std::uint32_t lifted)
+      : depths_(depths), layer_height_(layer_height_mm), lifted_(lifted) {}
 
-/// A stretch of a ray inside the object, in layers.
+  /// The layer of the print at a height.
+  std::uint32_t at(double height) const {
+    return depths_.steps().layer_at(static_cast<std::uint32_t>(std::max(0.0, std::floor(height))) + lifted_);
+  }
+  double bottom(std::uint32_t lit) const {
+    return static_cast<double>(depths_.steps().of(lit).first) - static_cast<double>(lifted_);
+  }
+  /// Layers of the print below the first that is no longer lit. @param exit  of the ray
+  std::uint32_t end(std::uint32_t exit) const { return depths_.steps().layers(exit + lifted_); }
+  /// Where the light cures down to if the layers from `lit` to `end` - 1 are lit.
+  double front(std::uint32_t lit, std::uint32_t end) const {
+    const LayerStep layer = depths_.steps().of(lit);
+    return static_cast<double>(layer.end()) - static_cast<double>(lifted_) -
+           depths_.below_film_mm(lit, end - lit) / layer_height_;
+  }
+  /// Where the underside of a thick part is that is lit from `lit` on, so that light cures down to `height`.
+  double below_thick(std::uint32_t lit, double height) const {
+    return height + depths_.below_film_mm(lit, CureDepths::kThick) / layer_height_ - depths_.steps().of(lit).step;
+  }
+
+  /// Layers of the print between two heights. @param above  may be below `height`: less than 0
+  double between(double height, double above) const {
+    if (depths_.steps().all_one()) return std::floor(above - height + 0.5);
+    return static_cast<double>(at(above)) - static_cast<double>(at(height));
+  }
+
+ private:
+  const CureDepths& depths_;
+  double layer_height_;
+  std::uint32_t lifted_;
+};
+
+/// A stretch of a ray inside the object, in layers of the R-Rep.
 struct Stretch {
   std::uint32_t entering = 0;
   double height = 0;        ///< at which the ray enters
@@ -30,14 +64,19 @@ struct Stretch {
 /// Finds how far the entering crossings are raised.
 class Raiser {
  public:
-  Raiser(const RRep& rrep, const CureModel& model, std::uint32_t lifted)
-      : layer_height_(static_cast<double>(rrep.grid.layer_height_mm)), depths_(model, layer_height_), lifted_(lifted) {
+  Raiser(const RRep& rrep, const CureModel& model, std::uint32_t lifted, const LayerSteps& steps)
+      : layer_height_(static_cast<double>(rrep.grid.layer_height_mm)),
+        depths_(model, layer_height_, steps),
+        lit_(depths_, layer_height_, lifted),
+        lifted_(lifted) {
     counts_.model = model;
   }
+  Raiser(const Raiser&) = delete;
+  Raiser& operator=(const Raiser&) = delete;
 
   struct Raised {
     CrossingHeight height;   ///< at a layer from stretch.entering to stretch.limit
-    std::uint32_t less = 0;  ///< layers that it would go up in addition below a thick part
+    std::uint32_t less = 0;  ///< layers of the print that it would go up in addition below a thick part
   };
   Raised raised(const Stretch& stretch) {
     const CrossingHeight found = height_at(raised_height(stretch), stretch);
@@ -50,12 +89,20 @@ class Raiser {
       counts_.pixels += found.layer() - stretch.entering;
     }
     // Below a thick part it is raised by what is cured below the lowest layer.
-    const std::uint32_t lit = found.layer() + lifted_;
-    const double thick = stretch.height + depths_.below_film_mm(lit, CureDepths::kThick) / layer_height_ - 1;
-    const double layers = stretch.entering == 0 && lifted_ == 0 ? 0 : std::floor(thick - end + 0.5);
-    return {found, static_cast<std::uint32_t>(std::clamp(layers, 0.0, double{kMostLess}))};
+    const double thick = lit_.below_thick(lit_.at(found.layer()), stretch.height);
+    const double layers = stretch.entering == 0 && lifted_ == 0 ? 0 : lit_.between(end, thick);
+    return {found, static_cast<std::uint32_t>(std::clamp(layers, 0.0, static_cast<double>(most_less())))};
   }
 
+  /// The highest layer up to `layer` whose mask is printed.
+  std::uint32_t highest_sampled(std::uint32_t layer) const {
+    const LayerSteps& steps = depths_.steps();
+    if (steps.all_one()) return layer;
+    const std::uint32_t layers = steps.layers(layer + lifted_ + 1);
+    const std::uint32_t sampled = layers > 0 ? steps.of(layers - 1).sampled() : 0;
+    return sampled > lifted_ ? sampled - lifted_ : 0;
+  }
+  std::uint32_t most_less() const { return depths_.steps().all_one() ? kMostLess : kMostLessThin; }
   BleedCounts counts() const {
     BleedCounts all = counts_;
     if (all.moved > 0) all.mean_mm /= static_cast<double>(all.moved);
@@ -68,19 +115,20 @@ class Raiser {
     const double height = stretch.height;
     if (stretch.entering == 0 && lifted_ == 0) return height;
     // The fronts if the lowest lit layer is `lit` and if it is the next one.
-    auto lit = static_cast<std::uint32_t>(std::max(0.0, std::floor(height)));
-    if (lit + 1 >= stretch.exit) return stretch.exit;
-    double front = front_of(lit, stretch.exit);
+    const std::uint32_t end = lit_.end(stretch.exit);
+    std::uint32_t lit = lit_.at(height);
+    if (lit + 1 >= end) return stretch.exit;
+    double front = lit_.front(lit, end);
     if (front > height) return height;
-    for (; lit + 1 < stretch.exit; ++lit) {
-      const double next = front_of(lit + 1, stretch.exit);
-      if (next > height) return std::max(height, lit + (height - front) / (next - front));
+    for (; lit + 1 < end; ++lit) {
+      const double next = lit_.front(lit + 1, end);
+      if (next > height) {
+        const double bottom = lit_.bottom(lit), step = lit_.bottom(lit + 1) - bottom;
+        return std::max(height, bottom + (height - front) / (next - front) * step);
+      }
       front = next;
     }
     return stretch.exit;
-  }
-  double front_of(std::uint32_t lit, std::uint32_t exit) const {
-    return slicer::front_of(depths_, layer_height_, lit, exit, lifted_);
   }
   static CrossingHeight height_at(double height, const Stretch& stretch) {
     const double above = height - 0.5;
@@ -94,6 +142,7 @@ class Raiser {
 
   double layer_height_;
   CureDepths depths_;
+  LitLayers lit_;
   std::uint32_t lifted_;
   BleedCounts counts_;
 };
@@ -151,9 +200,10 @@ class StripRaiser {
     std::uint32_t& packed = packed_[entered.crossing];
     const double height = static_cast<double>(packing_.height_mm(packed, layer, rrep_.grid)) /
                           static_cast<double>(rrep_.grid.layer_height_mm);
-    const std::uint32_t limit = std::min({entered.limit, exit - 1, layer + kMostShift});
+    const std::uint32_t limit =
+        std::max(layer, raiser.highest_sampled(std::min({entered.limit, exit - 1, layer + kMostShift})));
     const Raiser::Raised found = raiser.raised({layer, height, exit, limit});
-    packed = marked_less(packing_.packed(packing_.pixel(packed), found.height.part()), found.less);
+    packed = marked_less(packing_.packed(packing_.pixel(packed), found.height.part()), found.less, raiser.most_less());
     shifts_[entered.crossing] = static_cast<std::uint8_t>(found.height.layer() - layer);
   }
   /// Of rays that are inside beside one that exits: both are inside in the layer below its exit.
@@ -222,10 +272,11 @@ double uncorrected_mm(const CureDepths& depths, const PrintGrid& grid, double he
                       std::uint32_t exit) {
   const auto layer_height = static_cast<double>(grid.layer_height_mm);
   const double height = height_mm / layer_height;
-  const auto lit = static_cast<std::uint32_t>(std::max(0.0, height));
+  const LitLayers layers(depths, layer_height, 0);
+  const std::uint32_t lit = layers.at(height);
   if (layer == 0 || lit + 2 > exit) return height_mm;
-  const double front = front_of(depths, layer_height, lit, exit, 0);
-  return (front + (height - lit) * (front_of(depths, layer_height, lit + 1, exit, 0) - front)) * layer_height;
+  const double front = layers.front(lit, exit);
+  return (front + (height - lit) * (layers.front(lit + 1, exit) - front)) * layer_height;
 }
 
 std::size_t bleed_bytes(const PrintGrid& grid, std::size_t crossings) {
@@ -234,8 +285,9 @@ std::size_t bleed_bytes(const PrintGrid& grid, std::size_t crossings) {
                   floating_edges_bytes(grid));
 }
 
-Expected<BleedCounts> correct_bleed(RRep& rrep, const CureModel& model, std::uint32_t lifted, Arena& arena) {
-  Raiser raiser(rrep, model, lifted);
+Expected<BleedCounts> correct_bleed(RRep& rrep, const CureModel& model, std::uint32_t lifted, Arena& arena,
+                                    const LayerSteps& steps) {
+  Raiser raiser(rrep, model, lifted, steps);
   if (rrep.crossings() == 0) return raiser.counts();
   {
     // Once crossings are moved, nothing may fail any more.
@@ -260,8 +312,11 @@ Expected<BleedCounts> correct_bleed(RRep& rrep, const CureModel& model, std::uin
     for (std::uint32_t row = extent.top; row < extent.bottom; row += rows) strips.raise(row, rows, raiser);
     sort_again(rrep, *shifts, *places);
   }
-  const auto taken = drop_floating_edges(rrep, arena);
+  const bool adaptive = !steps.all_one();
+  const PrintLayers counted = adaptive ? count_print_layers(rrep, steps, lifted) : PrintLayers();
+  const auto taken = drop_floating_edges(rrep, raiser.most_less(), arena);
   PLUMBLINE_TRY(taken);
+  if (adaptive) count_rrep_layers(rrep, counted, steps, lifted);
   BleedCounts counts = raiser.counts();
   counts.pixels += *taken;
   return counts;

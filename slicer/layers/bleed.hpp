@@ -24,9 +24,10 @@ struct BleedCounts {
 /// layer stays. Crossings of layer 0 stay if the object stands on the plate. Masks are to half a layer height; the crossing's height has the rest.
 /// @param rrep    of an object whose layer 0 is to be layer `lifted` of the print
 /// @param model   is_known()
+/// @param steps   layers of the print, those below the object with them
 /// @retval ErrorCode::kOutOfMemory  no room for bleed_bytes() at the top of the arena; rrep is unchanged
 [[nodiscard]] Expected<BleedCounts> correct_bleed(RRep& rrep, const CureModel& model, std::uint32_t lifted,
-                                                  Arena& arena);
+                                                  Arena& arena, const LayerSteps& steps = {});
 
 /// Where the surface was before correct_bleed(): down to where the light of a ray cures, mm. Of parts that are too thin, only about.
 /// @param depths     of the same model

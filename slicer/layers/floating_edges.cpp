@@ -25,8 +25,15 @@ using Pieces = DisjointSets<NewPixel, &NewPixel::parent>;
 
 class FloatingEdges {
  public:
-  FloatingEdges(RRep& rrep, BitImage lit, BitImage fresh, std::span<NewPixel> pixels, std::span<std::uint32_t> carried)
-      : grid_(rrep.grid), packing_(rrep.grid), lit_(lit), new_(fresh), pixels_(pixels), carried_(carried) {
+  FloatingEdges(RRep& rrep, std::uint32_t most, BitImage lit, BitImage fresh, std::span<NewPixel> pixels,
+                std::span<std::uint32_t> carried)
+      : grid_(rrep.grid),
+        packing_(rrep.grid),
+        most_less_(most),
+        lit_(lit),
+        new_(fresh),
+        pixels_(pixels),
+        carried_(carried) {
     packed_ = const_cast<std::uint32_t*>(rrep.packed.data());
   }
 
@@ -78,8 +85,8 @@ class FloatingEdges {
   void write(std::uint32_t packed) {
     const bool enters = !lit_.at(column(packed), row(packed));
     put(lit_, packed, enters);
-    packed_[written_++] =
-        enters ? marked_less(packed, (kMostLess + 1) / 2) : packed;  // the middle of what the bits stand for
+    packed_[written_++] = enters ? marked_less(packed, (most_less_ + 1) / 2, most_less_)
+                                 : packed;  // the middle of what the bits stand for
     if (!enters) return;
     if (count_ == pixels_.size()) {
       is_complete_ = false;
@@ -124,9 +131,9 @@ class FloatingEdges {
       const std::uint32_t packed = packed_[from];
       if (at < count_ && packing_.pixel(pixels_[at].packed) == packing_.pixel(packed)) {
         const NewPixel& piece = pixels_[pieces.root(at)];
-        const std::uint32_t less = pixels_[at++].packed & kMostLess;
+        const std::uint32_t less = pixels_[at++].packed & most_less_;
         if (!piece.is_held && piece.goes_on && less > 0) {
-          carried_[carried_count_++] = marked_less(packing_.packed(packing_.pixel(packed)), less - 1);
+          carried_[carried_count_++] = marked_less(packing_.packed(packing_.pixel(packed)), less - 1, most_less_);
           put(lit_, packed, false);
           continue;
         }
@@ -139,6 +146,7 @@ class FloatingEdges {
 
   PrintGrid grid_;
   CrossingPacking packing_;
+  std::uint32_t most_less_;
   std::uint32_t* packed_;
   BitImage lit_;  ///< of the layer
   BitImage new_;  ///< those of pixels_
@@ -159,7 +167,7 @@ std::size_t floating_edges_bytes(const PrintGrid& grid) {
          Arena::rounded(most_pixels(grid) * sizeof(std::uint32_t));
 }
 
-Expected<std::uint64_t> drop_floating_edges(RRep& rrep, Arena& arena) {
+Expected<std::uint64_t> drop_floating_edges(RRep& rrep, std::uint32_t most_less, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = rrep.grid;
   const std::size_t words = BitImage::words_needed(grid.columns, grid.rows);
@@ -176,7 +184,7 @@ Expected<std::uint64_t> drop_floating_edges(RRep& rrep, Arena& arena) {
   lit_image.clear();
   new_image.clear();
 
-  FloatingEdges edges(rrep, lit_image, new_image, *pixels, *carried);
+  FloatingEdges edges(rrep, most_less, lit_image, new_image, *pixels, *carried);
   std::uint32_t* const first = const_cast<std::uint32_t*>(rrep.first.data());
   std::uint32_t begin = first[0], end = first[1];
   for (std::uint32_t k = 0; k < grid.layers; ++k) {

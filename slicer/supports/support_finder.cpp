@@ -185,7 +185,8 @@ SupportSettings at_density(SupportSettings settings) {
 }
 
 Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers, Arena& arena,
-                        ProgressSink* progress, SupportCounts& counts, const CureModel& cure) {
+                        ProgressSink* progress, SupportCounts& counts, const CureModel& cure,
+                        const AdaptiveLayers& adaptive) {
   const auto stand = choose_stand(rrep, settings, most_layers, arena);
   PLUMBLINE_TRY(stand);
   RRep stood = rrep;
@@ -193,10 +194,17 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
   counts.lifted = stand->lifted;
   counts.sunk = stand->sunk;
   counts.flat = stand->flat;
+  if (adaptive.wanted()) {
+    const auto steps = choose_steps(stood, adaptive, stand->lifted, cure, arena);
+    PLUMBLINE_TRY(steps);
+    counts.steps = *steps;
+  }
   if (cure.is_known()) {
-    const auto bleed = correct_bleed(stood, cure, stand->lifted, arena);
+    const auto bleed = correct_bleed(stood, cure, stand->lifted, arena, counts.steps);
     PLUMBLINE_TRY(bleed);
     counts.bleed = *bleed;
+  } else if (adaptive.wanted()) {
+    take_steps(stood, counts.steps, stand->lifted);
   }
   const ArenaScope scope(arena);
   const auto scratch = Scratch::take(stood.grid, arena);
@@ -210,7 +218,7 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
                  static_cast<std::uint32_t>(std::popcount(needed->missed));
   counts.specks_mm3 = static_cast<double>(needed->specks.size()) * static_cast<double>(stood.grid.pitch_x_mm) *
                       static_cast<double>(stood.grid.pitch_y_mm) * static_cast<double>(stood.grid.layer_height_mm);
-  if (stood.is_exact || (needed->specks.empty() && !counts.bleed)) {
+  if (!adaptive.wanted() && (stood.is_exact || (needed->specks.empty() && !counts.bleed))) {
     counts.lost_pixels = stand->sunk_pixels + needed->specks.size() + (counts.bleed ? counts.bleed->pixels : 0);
   }
   PLUMBLINE_TRY(leave_out(needed->specks, stood, arena));
@@ -240,10 +248,11 @@ std::size_t bytes_needed(const PrintGrid& grid, const Window& window, double mos
 }  // namespace
 
 Expected<Supports> find_supports(RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers, Arena& arena,
-                                 ProgressSink* progress, SupportCounts& counts, const CureModel& cure) {
+                                 ProgressSink* progress, SupportCounts& counts, const CureModel& cure,
+                                 const AdaptiveLayers& adaptive) {
   const std::size_t bottom = arena.bottom_mark();
   counts = {};
-  auto supports = find(rrep, settings, most_layers, arena, progress, counts, cure);
+  auto supports = find(rrep, settings, most_layers, arena, progress, counts, cure, adaptive);
   if (!supports) {
     arena.release_bottom(bottom);
     counts = {};

@@ -8,6 +8,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/layers/adaptive_layers.hpp"
 #include "slicer/layers/bleed.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
@@ -27,6 +28,7 @@ struct SupportCounts {
   UnreachedTips unreached_islands, unreached_overhangs;
   std::uint32_t added = 0;           ///< of settings.added, reached or not; they count as tips, too
   std::uint32_t missed = 0;          ///< bit i: none, since there is no surface at settings.added.list[i]
+  LayerSteps steps;                  ///< of an adaptive print, chosen once it is known how the object stands
   std::optional<BleedCounts> bleed;  ///< corrected before supports were sought, or without any
   std::uint32_t braces = 0;
   std::uint32_t helpers = 0;  ///< pillars that carry nothing but brace another
@@ -56,12 +58,13 @@ struct SupportCounts {
 /// @param progress     may be null
 /// @param counts       overwritten
 /// @param cure         if it is known, the object is corrected for bleed first, once it is known how it stands
+/// @param adaptive     if it is wanted, the heights of the print's layers are chosen before that
 /// @retval ErrorCode::kDoesNotFit   the lifted object is too high
 /// @retval ErrorCode::kOutOfMemory  the arena is full, or more than most_tips() are needed
 /// @retval ErrorCode::kCancelled    `progress` asked to stop
 [[nodiscard]] Expected<Supports> find_supports(RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers,
                                                Arena& arena, ProgressSink* progress, SupportCounts& counts,
-                                               const CureModel& cure = {});
+                                               const CureModel& cure = {}, const AdaptiveLayers& adaptive = {});
 
 /// Peak bytes of arena of find_supports(), its list included, for any object and settings.
 std::size_t find_supports_bytes(const PrintGrid& grid);

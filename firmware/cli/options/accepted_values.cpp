@@ -1,3 +1,5 @@
+#include "firmware/settings/job_options.hpp"
+#include "firmware/settings/job_settings.hpp"
 #include "firmware/cli/options/accepted_values.hpp"
 
 #include <algorithm>
@@ -39,6 +41,16 @@ CLI::Validator number_from(double low, double high, const char* unit) {
         const std::string end = *unit ? std::string(" ") + unit : "";
         return not_accepted(text, "a number from " + number(low) + " to " + number(high) + end) +
                correction(text, unit);
+      },
+      "");
+}
+
+CLI::Validator layer_height() {
+  return CLI::Validator(
+      [number = number_from(kFinestMm, kCoarsestMm, "mm")](std::string& text) -> std::string {
+        if (text != kAdaptiveWord) return number(text);
+        text = std::to_string(kAdaptiveHeight);
+        return {};
       },
       "");
 }

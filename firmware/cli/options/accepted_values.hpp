@@ -13,6 +13,9 @@ namespace plumbline::firmware {
 /// @param unit  "mm", or "" if the number has none
 CLI::Validator number_from(double low, double high, const char* unit = "");
 
+/// Accepts a height of layers, kFinestMm to kCoarsestMm, or kAdaptiveWord, which becomes kAdaptiveHeight.
+CLI::Validator layer_height();
+
 /// Accepts whole numbers from `low` to `high`, in decimal digits.
 CLI::Validator whole_number_from(unsigned long long low, unsigned long long high);
 

@@ -76,7 +76,7 @@ Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep
   PartRRep masks;
   RRep rrep = session.printable().parts.rrep;
   if (session.printable().parts.is_archive()) {
-    for (std::uint32_t layer = 0; layer < session.grid().layers; ++layer) {
+    for (std::uint32_t layer = 0; layer < session.plan().layers; ++layer) {
       const auto mask = session.mask(layer);
       PLUMBLINE_TRY(mask);
       masks.add(*mask);
@@ -118,17 +118,17 @@ Status check_room_for_part(const JobDirectory& directory, PrintSession& session)
   PLUMBLINE_TRY(encoder);
   // Neighbouring masks are alike, so these are enough for the mean size of a file.
   constexpr std::uint32_t kMostSamples = 64;
-  const std::uint32_t samples = std::min(grid.layers, kMostSamples);
+  const std::uint32_t all = session.plan().layers, samples = std::min(all, kMostSamples);
   constexpr std::uint64_t kBlock = 4096;  // file systems give whole ones
   std::uint64_t sampled = 0;
   for (std::uint32_t sample = 0; sample < samples; ++sample) {
-    const auto layer = static_cast<std::uint32_t>(std::uint64_t{sample} * grid.layers / samples);
+    const auto layer = static_cast<std::uint32_t>(std::uint64_t{sample} * all / samples);
     const auto mask = session.mask(layer);
     PLUMBLINE_TRY(mask);
     sampled += (encoder->encode(*mask).size() + kBlock - 1) / kBlock * kBlock;
   }
   constexpr std::uint64_t kPicturesAndManifest = 2'000'000;
-  const std::uint64_t layers = samples > 0 ? sampled * grid.layers / samples : 0;
+  const std::uint64_t layers = samples > 0 ? sampled * all / samples : 0;
   return directory.check_room("the printed part", layers + kPicturesAndManifest);
 }
 
@@ -142,14 +142,17 @@ Status write_printed_part(JobDirectory& directory, const Witness& witness, Print
   PartRRep part;
   std::vector<std::uint64_t> hashes;
   Status done;
+  const LayerSteps& steps = session.plan().steps;
   witness.for_each_cured_layer([&](ZPosition z, ConstBitImage cured) {
     if (!done) return;
     // A height that got no light becomes a black layer, so that those above keep their numbers.
     const std::int64_t height = session.plan().layer_height.nanometres();
-    const auto at = static_cast<std::size_t>((z.above_film().nanometres() + height / 2) / height);
+    const auto top = static_cast<std::size_t>((z.above_film().nanometres() + height / 2) / height);
+    const std::size_t first = top > 0 ? steps.of(steps.layer_at(static_cast<std::uint32_t>(top - 1))).first : 0;
+    const std::size_t at = std::min<std::size_t>(top, grid.layers);
     const std::vector<std::uint64_t> black(cured.words().size());
     while (done && hashes.size() < std::max<std::size_t>(at, 1)) {
-      const bool is_it = hashes.size() + 1 >= at;
+      const bool is_it = hashes.size() >= first;
       const ConstBitImage layer = is_it ? cured : ConstBitImage(black, cured.columns(), cured.rows());
       part.add(layer);
       job.cured_pixels += layer.count();

@@ -34,7 +34,7 @@ constexpr std::array kNumbers = {
     NumberKey{"rotate_y_deg", &StickJob::rotate_y_deg, -360, 360, "-360 to 360 degrees"},
     NumberKey{"rotate_z_deg", &StickJob::rotate_z_deg, -360, 360, "-360 to 360 degrees"},
     NumberKey{"layer_height", &StickJob::layer_height, kFinestMm, kCoarsestMm,
-              "0.005 to 1 mm, or \"\" for the profile's"},
+              "0.005 to 1 mm, adaptive, or \"\" for the profile's"},
 };
 
 struct TruthKey {
@@ -115,8 +115,8 @@ std::optional<Status> set_support(SupportChoice& choice, std::string_view key, s
 Status set_job_setting(StickJob& job, std::string_view key, std::string_view value) {
   for (const NumberKey& number : kNumbers) {
     if (number.name != key) continue;
-    if (value.empty() && number.field == &StickJob::layer_height) {
-      job.layer_height = 0;
+    if (number.field == &StickJob::layer_height && (value.empty() || value == kAdaptiveWord)) {
+      job.layer_height = value.empty() ? 0 : kAdaptiveHeight;
       return {};
     }
     const auto found = to_number<double>(value);

@@ -49,7 +49,8 @@ std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
       {"placement", "rotate_x_deg", &job.rotate_x_deg, -360, 360, " degrees", kOptional},
       {"placement", "rotate_y_deg", &job.rotate_y_deg, -360, 360, " degrees", kOptional},
       {"placement", "rotate_z_deg", &job.rotate_z_deg, -360, 360, " degrees", kOptional},
-      {"placement", "layer_height", &job.layer_height, kFinestMm, kCoarsestMm, " mm", kOptional},
+      {"placement", "layer_height", NumberOrWord{&job.layer_height, kAdaptiveWord, kAdaptiveHeight}, kFinestMm,
+       kCoarsestMm, " mm", kOptional},
   };
   for (const PrintField& field : kPrintFields) {
     if (!field.can_be_changed()) continue;

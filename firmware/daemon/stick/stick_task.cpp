@@ -104,7 +104,8 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
   const bool lengths = (fields.size_mm == 0 || is_within(fields.size_mm, kSmallestSizeMm, kLargestSizeMm)) &&
                        is_within(fields.floor_height, -kLargestFloorHeight, kLargestFloorHeight) &&
                        is_within(fields.scale, kSmallestScale, kLargestScale) &&
-                       (fields.layer_height == 0 || is_within(fields.layer_height, kFinestMm, kCoarsestMm));
+                       (fields.layer_height == 0 || fields.layer_height == kAdaptiveHeight ||
+                        is_within(fields.layer_height, kFinestMm, kCoarsestMm));
   const bool values = receive(fields.values, job.values) == nullptr && receive(fields.supports, job.supports);
   if (answer.kind != ScanAnswer::kJob || !values || !named || !is_setting_name(job.profile) || !angles || !choices ||
       !lengths) {

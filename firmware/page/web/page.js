@@ -258,7 +258,9 @@ function showFacts() {
   if (job) rows.push([words.scan, job.files.length > 1 ? job.files.join(", ") : job.scan], [words.profile, job.profile]);
   if (sliced) {
     const sides = [sliced.width_mm, sliced.depth_mm, sliced.height_mm].map((side) => number(side, 1)).join(" × ");
-    rows.push([words.size, `${sides} mm`], [words.layers, `${sliced.layers} × ${number(sliced.layer_height_mm, 3)} mm`]);
+    const steps = sliced.layer_runs.map(([, step]) => step), mm = (step) => number(step * sliced.layer_height_mm, 3);
+    const high = steps.length ? `, ${mm(Math.min(...steps))}–${mm(Math.max(...steps))} mm` : ` × ${mm(1)} mm`;
+    rows.push([words.size, `${sides} mm`], [words.layers, `${sliced.layers}${high}`]);
     if (sliced.points_off_percent >= 0.1) rows.push([words.pointsOff, `${number(sliced.points_off_percent, 1)} %`]);
     const vanish = sliced.shows_grey ? "" : `, ${number(sliced.grey_lost_percent, 1)} % ${words.vanish}`;
     if (sliced.grey_percent) rows.push([words.grey, `${number(sliced.grey_percent, 1)} %${vanish}`]);
@@ -420,9 +422,18 @@ function showTurn() {
 
 // The slider asks for one layer at a time, and then for where it stands by now.
 let layerAsked = 0, layersOf = null;
+// mm of so many layers. Those of an adaptive print come in runs of one height: [layers up to its end, height in parts of layer_height_mm].
+function topOf(layers) {
+  let sum = 0, from = 0;
+  for (const [end, step] of state.sliced.layer_runs) {
+    sum += Math.max(0, Math.min(layers, end) - from) * step;
+    from = end;
+  }
+  return (sum + Math.max(0, layers - from)) * state.sliced.layer_height_mm;
+}
 function showLayer() {
   const layer = Number($("layer").value);
-  $("which").textContent = `${words.layer} ${layer} ${words.of} ${$("layer").max}, ${number(layer * state.sliced.layer_height_mm, 2)} mm`;
+  $("which").textContent = `${words.layer} ${layer} ${words.of} ${$("layer").max}, ${number(topOf(layer), 2)} mm`;
   if (layerAsked || $("mask").dataset.layer === String(layer)) return;
   layerAsked = layer;
   $("mask").src = `/mask?${ofJob()}n=${layer - 1}`;
@@ -449,7 +460,7 @@ $("mask").onclick = (event) => {
   // The middle of a pixel of the picture, at the underside of the layer.
   const pixel = (at, shown, pixels) => Math.min(pixels - 1, Math.max(0, Math.floor(at / shown * pixels))) + 0.5;
   tapped = [pixel(event.offsetX, mask.clientWidth, mask.naturalWidth) * width, pixel(event.offsetY, mask.clientHeight, mask.naturalHeight) * depth,
-            (Number(mask.dataset.layer) - 1) * state.sliced.layer_height_mm];
+            topOf(Number(mask.dataset.layer) - 1)];
   showByHand();
 };
 $("support-here").onclick = () => setPlaces("support_at", [...listOf("support_at"), tapped]);
@@ -616,6 +627,8 @@ function size(bytes) {
 
 // Settings: name, label, kind, the printer's value, and what to send for what was entered.
 const angles = (value) => [...new Set(["-90", "0", "90", "180", String(value)])].map((angle) => [angle, `${number(Number(angle), 0)}°`]);
+const heights = (value) => [["", words.ofProfile], ...[...new Set(["0.025", "0.03", "0.05", "0.1", ...value && value !== "adaptive" ? [String(value)] : []])]
+  .map((mm) => [mm, `${number(Number(mm), 3)} mm`]), ["adaptive", words.adaptive]];
 const settings = [
   ["profile", words.profile, () => state.profiles.map((name) => [name, name]), (job) => job.profile, (value) => ["profile", value]],
   ["height", words.heightMm, "number", (job) => job.size && job.size.side === "height" ? job.size.mm : "",
@@ -624,7 +637,7 @@ const settings = [
   ["rotate_x_deg", words.tilt, angles, (job) => job.rotate_x_deg, (value) => ["rotate_x_deg", value]],
   ["supports", words.supports, () => [["", words.ofProfile], ["auto", words.auto], ["none", words.none]], (job) => job.supports || "",
    (value) => ["supports", value]],
-  ["layer_height", words.layerHeight, "number", (job) => job.layer_height || "", (value) => ["layer_height", value]],
+  ["layer_height", words.layerHeight, heights, (job) => job.layer_height || "", (value) => ["layer_height", value]],
 ];
 function makeSettings() {
   const parts = [];

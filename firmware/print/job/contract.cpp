@@ -54,7 +54,7 @@ class ValueList {
 
 double value_of(const PrintPlan& plan, PrintKey key) {
   switch (key) {
-    case PrintKey::kLayerHeight: return plan.layer_height.millimetres();
+    case PrintKey::kLayerHeight: return plan.exposed_height.millimetres();
     case PrintKey::kInitialLayerHeight: return (plan.layer_height + plan.first_layer_more).millimetres();
     case PrintKey::kBottomLayerCount: return plan.bottom_layers;
     case PrintKey::kInitialExposureTime: return seconds_in(plan.initial_exposure);
@@ -80,7 +80,7 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
                                  const ContractSubject& subject) {
   const PrintGrid grid = machine_grid(subject.grid, subject.sizes.relative());
   const auto layer_height = static_cast<double>(grid.layer_height_mm);
-  const auto plan = plan_print(profile, machine, layer_height, grid.layers);
+  const auto plan = plan_print(profile, machine, layer_height, grid.layers, subject.steps);
   PLUMBLINE_TRY(plan);
   Contract contract;
   contract.plan = *plan;
@@ -151,6 +151,21 @@ void write_contract(JsonWriter& json, const Contract& contract) {
 
 namespace {
 
+/// "heights    0.02 to 0.1 mm, as the surface allows: 412 layers where 1190 would be 0.05 mm high"
+FixedText<160> heights_line(const PrintPlan& plan) {
+  std::uint32_t least = LayerSteps::kMostStep, most = 1;
+  for (const LayerSteps::Run& run : plan.steps.runs()) {
+    least = std::min<std::uint32_t>(least, run.step);
+    most = std::max<std::uint32_t>(most, run.step);
+  }
+  const double height = height_of(plan, plan.layers - 1).above_film().millimetres();
+  const double usual = plan.exposed_height.millimetres(), unit = plan.layer_height.millimetres();
+  FixedText<160> text;
+  text.add("heights    %.4g to %.4g mm, as the surface allows: %u layers where %.0f would be %.4g mm high", least * unit,
+           most * unit, plan.layers, std::ceil(height / usual), usual);
+  return text;
+}
+
 void say_grey(const Contract& contract, std::string_view name,
               const std::function<void(const Told&, std::string_view)>& say) {
   const double grey = 100 * contract.grey, lost = 100 * contract.grey_lost;
@@ -211,6 +226,7 @@ void for_each_contract_line(const Contract& contract, const std::function<void(s
     }
   }
   say(size.view());
+  if (!contract.plan.steps.all_one()) say(heights_line(contract.plan).view());
   if (contract.sizes.any()) say("corrected  " + std::string(contract.sizes.text().view()));
   const auto line = [&](const char* title, std::initializer_list<PrintKey> keys) {
     ValueList values(contract);

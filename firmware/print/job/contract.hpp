@@ -58,6 +58,7 @@ struct Contract {
 /// What a contract is about, beside its profile.
 struct ContractSubject {
   PrintGrid grid;
+  LayerSteps steps{};                    ///< heights of the print's layers, in layers of the grid
   std::uint32_t columns = 0, rows = 0;   ///< pixels, of what is printed
   std::uint64_t cured_pixels = 0;        ///< of all masks together
   std::uint64_t first_layer_pixels = 0;  ///< of the first one

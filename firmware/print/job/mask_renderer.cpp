@@ -75,7 +75,7 @@ Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, BitImage out, Grey
     for (const GreyRun& run : source_->greys()) greys->add(run);
   }
   facts.hash = mask_hash(out, greys != nullptr ? greys->runs() : std::span<const GreyRun>());
-  facts.pixels = ConstBitImage(out).count();
+  facts.pixels = ConstBitImage(out).count() * plan_.steps.of(layer).step;
   return facts;
 }
 

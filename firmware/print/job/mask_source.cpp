@@ -12,20 +12,24 @@ Expected<GreyRuns> take_greys(const PrintGrid& grid, bool shows_grey, Arena& are
 }
 
 Expected<StreamMasks> StreamMasks::create(const RRep& rrep, const Supports& supports, const CureModel& grey,
-                                          double layer_height_mm, Arena& arena) {
+                                          double layer_height_mm, Arena& arena, const LayerSteps& steps) {
   const auto stream = MaskStream::create(rrep, supports, arena);
   PLUMBLINE_TRY(stream);
-  StreamMasks masks(*stream);
+  StreamMasks masks(*stream, steps);
   if (!grey.is_known()) return masks;
   const auto made = GreyMasks::create(rrep, supports, grey, layer_height_mm, arena);
   PLUMBLINE_TRY(made);
   masks.grey_ = *made;
+  masks.first_grey_ = grey.bottom_layers + grey.faded_layers;
   return masks;
 }
 
 Expected<ConstBitImage> StreamMasks::mask(std::uint32_t layer) {
-  const ConstBitImage mask = stream_.mask(layer);
-  return grey_ ? grey_->find(layer, stream_, mask) : mask;
+  const LayerStep step = steps_.of(layer);
+  const ConstBitImage mask = stream_.mask(step.sampled());
+  // Higher layers of an adaptive print are where surfaces are too steep for stairs.
+  has_greys_ = grey_.has_value() && step.step == 1 && layer >= first_grey_;
+  return has_greys_ ? grey_->find(step.first, stream_, mask) : mask;
 }
 
 Expected<ArchiveMasks> ArchiveMasks::create(int file, std::string_view name, const PrintGrid& grid,

@@ -32,21 +32,30 @@ class MaskSource {
 /// The masks of an R-Rep.
 class StreamMasks final : public MaskSource {
  public:
-  explicit StreamMasks(const MaskStream& stream) : stream_(stream) {}
+  explicit StreamMasks(const MaskStream& stream, const LayerSteps& steps = {})
+      : stream_(stream), grid_(stream.grid()), steps_(steps) {
+    grid_.layers = steps.layers(grid_.layers);
+  }
   /// Takes what it needs from the bottom of the arena.
   /// @param grey             if it is known, masks have grey pixels where rays enter the object
-  /// @param layer_height_mm  of the print
+  /// @param layer_height_mm  of the R-Rep
+  /// @param steps            heights of the print's layers
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<StreamMasks> create(const RRep& rrep, const Supports& supports, const CureModel& grey,
-                                                    double layer_height_mm, Arena& arena);
+                                                    double layer_height_mm, Arena& arena, const LayerSteps& steps = {});
 
-  const PrintGrid& grid() const override { return stream_.grid(); }
+  /// Its layers are those of the print, its layer height is the R-Rep's.
+  const PrintGrid& grid() const override { return grid_; }
   Expected<ConstBitImage> mask(std::uint32_t layer) override;
-  std::span<const GreyRun> greys() const override { return grey_ ? grey_->greys() : std::span<const GreyRun>(); }
+  std::span<const GreyRun> greys() const override { return has_greys_ ? grey_->greys() : std::span<const GreyRun>(); }
 
  private:
   MaskStream stream_;
+  PrintGrid grid_;
+  LayerSteps steps_;
   std::optional<GreyMasks> grey_;
+  std::uint32_t first_grey_ = 0;  ///< layer of the print
+  bool has_greys_ = false;        ///< the mask that was given last
 };
 
 /// Decodes a layer of an archive.

@@ -81,7 +81,7 @@ Status check_heights(const PrintPlan& plan, std::string_view name, const StepPla
   const auto share = [](Distance height, double part) { return Distance::micrometres(height.micrometres() * part); };
   ZPosition below;
   for (std::uint32_t layer = 0; layer < std::max(plan.layers, 2U); ++layer) {
-    const Distance planned = layer == 0 ? plan.layer_height + plan.first_layer_more : plan.layer_height;
+    const Distance planned = thickness_of(plan, layer);
     const ZPosition at = places.nearest(height_of(plan, layer));
     const Distance made = at - below;
     below = at;
@@ -162,8 +162,8 @@ Status check_light(const PrintPlan& plan, std::string_view name, const MachineFi
 
 Expected<PlanRun> check_plan(const PrintPlan& plan, std::string_view name, const MachineFile& machine) {
   PlanRun run;
-  run.first = plan.layer_height + plan.first_layer_more;
-  run.thinnest = run.thickest = plan.layer_height;
+  run.first = thickness_of(plan, 0);
+  run.thinnest = run.thickest = thickness_of(plan, plan.layers > 1 ? 1 : 0);
   for (const Distance tie : {Distance::nanometres(1), Distance::nanometres(-1)}) {
     const StepPlaces places(machine, tie);
     PLUMBLINE_TRY(check_heights(plan, name, places, run));

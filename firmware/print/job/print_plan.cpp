@@ -143,12 +143,15 @@ nanoseconds curing_time(const PrintPlan& plan, std::uint32_t layer) {
 }  // namespace
 
 Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& machine, double layer_height_mm,
-                               std::uint32_t layers) {
+                               std::uint32_t layers, const LayerSteps& steps) {
   PLUMBLINE_TRY(check_moves(profile, machine));
   PLUMBLINE_TRY(check_exposures(profile, machine));
   PrintPlan plan;
-  plan.layers = layers;
+  plan.layers = steps.layers(layers);
+  plan.steps = steps;
   plan.layer_height = Distance::millimetres(layer_height_mm);
+  plan.exposed_height = steps.all_one() ? plan.layer_height : Distance::millimetres(profile.layer_height);
+  plan.penetration_mm = profile.penetration_depth;
   if (profile.initial_layer_height > 0) {
     plan.first_layer_more = Distance::millimetres(profile.initial_layer_height) - plan.layer_height;
   }
@@ -182,11 +185,20 @@ Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& m
 
 nanoseconds exposure_of(const PrintPlan& plan, std::uint32_t layer) {
   const auto difference = static_cast<double>((plan.exposure - plan.initial_exposure).count());
-  return plan.initial_exposure + nanoseconds(std::llround(difference * fade_of(plan, layer)));
+  const nanoseconds exposure = plan.initial_exposure + nanoseconds(std::llround(difference * fade_of(plan, layer)));
+  if (plan.steps.all_one()) return exposure;
+  const double higher_mm = (thickness_of(plan, layer) - plan.exposed_height).millimetres();
+  return nanoseconds(
+      std::llround(static_cast<double>(exposure.count()) * dose_factor(higher_mm, plan.penetration_mm)));
 }
 
 ZPosition height_of(const PrintPlan& plan, std::uint32_t layer) {
-  return ZPosition(plan.layer_height * (std::int64_t{layer} + 1) + plan.first_layer_more);
+  return ZPosition(plan.layer_height * std::int64_t{plan.steps.of(layer).end()} + plan.first_layer_more);
+}
+
+Distance thickness_of(const PrintPlan& plan, std::uint32_t layer) {
+  const Distance height = plan.layer_height * std::int64_t{plan.steps.of(layer).step};
+  return layer == 0 ? height + plan.first_layer_more : height;
 }
 
 TwoStageMove lift_from(const PrintPlan& plan, std::uint32_t layer) {
@@ -231,18 +243,20 @@ nanoseconds most_light_in_a_minute(const PrintPlan& plan) {
       if (layer == 0 || left <= nanoseconds::zero()) break;
     }
     most = std::max(most, light);
-    if (layer >= same_from) break;
+    if (layer >= same_from && plan.steps.all_one()) break;
   }
   return most;
 }
 
 nanoseconds remaining_time(const PrintPlan& plan, std::uint32_t first) {
-  // All layers after the fade take the same time.
+  // Layers of one height after the fade take the same time.
   const std::uint32_t same_from = plan.bottom_layers + plan.faded_layers;
   nanoseconds time{};
-  for (std::uint32_t layer = first; layer < std::min(plan.layers, same_from); ++layer) time += layer_time(plan, layer);
-  const std::uint32_t rest = std::max(first, same_from);
-  if (rest < plan.layers) time += layer_time(plan, rest) * (plan.layers - rest);
+  for (std::uint32_t layer = first; layer < plan.layers;) {
+    const std::uint32_t end = layer < same_from ? layer + 1 : std::min(plan.layers, plan.steps.run_end(layer));
+    time += layer_time(plan, layer) * (end - layer);
+    layer = end;
+  }
   return time;
 }
 

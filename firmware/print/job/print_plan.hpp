@@ -7,6 +7,8 @@
 ///
 ///     lift     (k + 1) h  ->  + lift_height at lift_speed  ->  + lift_height2 at lift_speed2
 ///     retract  (k + 2) h + retract_height2 at retract_speed  ->  (k + 2) h at retract_speed2
+///
+/// In an adaptive print each layer has a height of its own, and its exposure follows from that.
 
 #include <array>
 #include <chrono>
@@ -19,6 +21,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/resin/cure_model.hpp"
 #include "slicer/core/resin/foot_shrink.hpp"
+#include "slicer/core/resin/layer_steps.hpp"
 
 namespace plumbline::firmware {
 
@@ -32,7 +35,10 @@ using TwoStageMove = std::array<StageMove, 2>;
 
 struct PrintPlan {
   std::uint32_t layers = 0;
-  Distance layer_height;
+  LayerSteps steps;       ///< heights of an adaptive print's layers, in parts of layer_height
+  Distance layer_height;  ///< of an adaptive print the least
+  Distance exposed_height;   ///< of a layer that gets these exposures; differs in an adaptive print
+  double penetration_mm = 0; ///< Dp
   Distance first_layer_more;  ///< that the first layer is higher than the others; may be negative
   nanoseconds exposure{};
   nanoseconds initial_exposure{};
@@ -55,24 +61,30 @@ struct PrintPlan {
   nanoseconds mask_change{};  ///< from presenting a mask until it has settled, estimated
 };
 
-/// @param layers  1 to PrintGrid::kMaxLayers
-/// @param layer_height_mm  0.005 to 1
+/// @param layers  of the R-Rep or the archive, 1 to PrintGrid::kMaxLayers
+/// @param layer_height_mm  of these, 0.005 to 1
+/// @param steps   heights of the print's layers
 /// @retval ErrorCode::kBadSetting       a speed above the Z stage's, or a slow retract longer than the lift
 /// @retval ErrorCode::kExposureTooLong  an exposure above the lamp's longest, or more light in a minute than the lamp may give
 /// @retval ErrorCode::kDoesNotFit       the last layer's lift ends above the Z stage's highest point: by how much
 /// @retval any error of check_plan()
 [[nodiscard]] Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& machine,
-                                             double layer_height_mm, std::uint32_t layers);
+                                             double layer_height_mm, std::uint32_t layers,
+                                             const LayerSteps& steps = {});
 
 /// Exposure time of a layer:
 ///
 ///     k < bottom                      initial
 ///     k = bottom + j - 1, j <= faded  initial + (normal - initial) j / (faded + 1)
 ///     else                            normal
+///
+/// times dose_factor() of its height in an adaptive print
 nanoseconds exposure_of(const PrintPlan& plan, std::uint32_t layer);
 
 /// Height at which a layer is cured.
 ZPosition height_of(const PrintPlan& plan, std::uint32_t layer);
+/// Height of a layer.
+Distance thickness_of(const PrintPlan& plan, std::uint32_t layer);
 
 /// Peels the part off the film and raises it. The second move is empty if lift_height2 is 0.
 TwoStageMove lift_from(const PrintPlan& plan, std::uint32_t layer);

@@ -41,6 +41,7 @@ Expected<Contract> contract_of(const SlicedScan& sliced, const SliceSettings& se
   about.rotation_deg = {degrees[0], degrees[1], degrees[2]};
   about.best_way_up = settings.orient;
   about.sizes = corrections_of(settings);
+  about.steps = sliced.support_counts.steps;
   about.proof = sliced.proof;
   return make_contract(profile, machine, about);
 }
@@ -76,7 +77,7 @@ Printable printable_of(const SlicedArchive& sliced, std::string_view name, std::
 Expected<Printable> slice_printable(ScanSources scan, const SliceSettings& settings, const PrintProfile& profile,
                                     const MachineFile& machine, Arena& arena, ProgressSink* progress) {
   // Checks that don't depend on the height run before slicing, which may take minutes.
-  PLUMBLINE_TRY(plan_print(profile, machine, profile.layer_height, 1));
+  PLUMBLINE_TRY(plan_print(profile, machine, finest_layer_mm(profile), 1));
   SliceReport report;
   const auto sliced = slice_for_print(scan, settings, arena, progress, report);
   PLUMBLINE_TRY(sliced);

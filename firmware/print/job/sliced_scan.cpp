@@ -43,11 +43,12 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, OverhangRu
   const PrintGrid& mm = sliced.rrep.grid;
   const auto rows = arena.take_top<std::uint64_t>(3 * BitImage::words_needed(mm.columns, 1), "checks");
   PLUMBLINE_TRY(rows);
+  const LayerSteps& heights = sliced.support_counts.steps;
   std::uint64_t shrunk = 0;
   const auto draw = [&](std::uint32_t layer) {
     const ConstBitImage mask = stream->mask(layer);
     if (const std::uint32_t steps =
-            settings.foot.steps(layer, static_cast<double>(mm.pitch_x_mm), static_cast<double>(mm.pitch_y_mm))) {
+            settings.foot.steps(heights.layer_at(layer), static_cast<double>(mm.pitch_x_mm), static_cast<double>(mm.pitch_y_mm))) {
       stream->draw_on_mask([&](BitImage image, BitImage drawn) { shrunk += shrink(image, steps, *rows, drawn); });
     }
     return mask;

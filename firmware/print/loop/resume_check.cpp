@@ -11,7 +11,7 @@ bool stage_confirms(const JournalEntry& last, const PrintPlan& plan, std::option
   // A quarter of a layer for the end stop and for rounding to steps.
   const Distance unsure = drift + Distance::nanometres(plan.layer_height.nanometres() / 4);
   // Where the layer after the next one is cured: from here on it could have been.
-  const ZPosition too_high = height_of(plan, last.next_layer) + plan.layer_height;
+  const ZPosition too_high = height_of(plan, last.next_layer + 1);
   if (*found + unsure < too_high) return *found + unsure >= last.height;
   return last.stands >= too_high && *found + unsure >= last.stands && *found - unsure <= last.stands;
 }

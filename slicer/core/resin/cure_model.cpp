@@ -33,12 +33,22 @@ double logarithm(double y) {
 
 }  // namespace
 
-CureDepths::CureDepths(const CureModel& model, double layer_height_mm)
+double dose_factor(double higher_mm, double penetration_mm) { return exponential(higher_mm / penetration_mm); }
+
+CureDepths::CureDepths(const CureModel& model, double layer_height_mm, const LayerSteps& steps)
     : model_(model),
+      steps_(steps),
       per_layer_(-layer_height_mm / model.penetration_mm),
       next_(part_left(1)),
       normal_(model.bottom_layers + model.faded_layers),
       ends_(part_left(kTabled) < kNothing) {
+  if (!steps_.all_one()) {
+    for (std::uint32_t step = 1; step <= LayerSteps::kMostStep; step += 2) {
+      factor_[step] = dose_factor(layer_height_mm * step - model.layer_height_mm, model.penetration_mm);
+      left_[step] = part_left(step);
+    }
+    return;
+  }
   const auto fill = [&](std::uint32_t row, std::uint32_t first) {
     for (std::uint32_t i = 0; i < kTabled; ++i) table_[row][i] = depth_mm(first, i + 1);
     table_[row][kTabled] = depth_mm(first, kThick);
@@ -60,12 +70,33 @@ double CureDepths::depth_mm(std::uint32_t first, std::uint32_t count) const {
   }
   // The others have one dose: a geometric series.
   if (count > 0) add(part * model_.dose * (1 - part_left(count)) / (1 - next_), part * model_.dose);
+  return depth_of(sum, largest);
+}
+
+double CureDepths::adaptive_depth_mm(std::uint32_t first, std::uint32_t count) const {
+  double sum = 0, largest = 0, part = 1;
+  std::uint32_t step = steps_.of(first).step, run_end = steps_.run_end(first);
+  for (std::uint32_t layer = first; count > 0 && part > kNothing; count -= count == kThick ? 0 : 1) {
+    const double dose = part * factor_[step] * model_.dose_of(layer);
+    sum += dose;
+    largest = std::max(largest, dose);
+    if (++layer >= run_end) {
+      step = steps_.of(layer).step;
+      run_end = steps_.run_end(layer);
+    }
+    part *= left_[step];
+  }
+  return depth_of(sum, largest);
+}
+
+double CureDepths::depth_of(double sum, double largest) const {
   const double dose = largest + (1 - model_.exchange) * (sum - largest);
   return dose > model_.critical_dose ? model_.penetration_mm * logarithm(dose / model_.critical_dose) : 0;
 }
 
 double CureDepths::below_film_mm(std::uint32_t first, std::uint32_t count) const {
   if (count == 0) return 0;
+  if (!steps_.all_one()) return adaptive_depth_mm(first, count);
   const bool is_thick = count == kThick || (count > kTabled && ends_);
   const bool is_tabled = (first >= normal_ || first < kTabledFirst) && (count <= kTabled || is_thick);
   if (!is_tabled) return depth_mm(first, count);

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "slicer/core/resin/foot_shrink.hpp"
+#include "slicer/core/resin/layer_steps.hpp"
 
 namespace plumbline::inline slicer {
 
@@ -19,7 +20,8 @@ struct CureModel {
   double exchange = 0;        ///< of resin by a lift: 0 doses of layers add up, 1 only the largest counts
   double dose = 0;            ///< mJ/cm2, of a layer after the faded ones
   double bottom_dose = 0;     ///< mJ/cm2, of a bottom layer
-  std::uint32_t bottom_layers = 0, faded_layers = 0;
+  std::uint32_t bottom_layers = 0, faded_layers = 0;  ///< of the print
+  double layer_height_mm = 0;                         ///< of a layer that gets these doses; counts in adaptive prints
 
   bool is_known() const { return penetration_mm > 0 && critical_dose > 0 && dose > critical_dose; }
   double dose_of(std::uint32_t layer) const {
@@ -30,16 +32,25 @@ struct CureModel {
 /// e^x for -700 <= x <= 700. Uses no function of a library, so it is the same everywhere.
 double exponential(double x);
 
+/// What the dose of a layer is multiplied by if it is `higher_mm` higher than the layer that the dose is for: so both cure as far beyond themselves.
+/// By Jacobs' working curve exp(higher / Dp). The same everywhere.
+/// @param penetration_mm  Dp, above 0
+double dose_factor(double higher_mm, double penetration_mm);
+
 /// The depth to which a stack of layers cures below them.
 class CureDepths {
  public:
   static constexpr std::uint32_t kThick = UINT32_MAX;  ///< a count of layers: all above
 
-  CureDepths(const CureModel& model, double layer_height_mm);
+  /// @param layer_height_mm  of the R-Rep
+  /// @param steps            layers of the print
+  CureDepths(const CureModel& model, double layer_height_mm, const LayerSteps& steps = {});
 
-  /// Where a pixel's ray is cured if it is lit in the layers from `first` to `first + count - 1`, but in none below, mm below the film of the
-  /// first. Uses no function of a library but +, -, * and /, so it is the same everywhere.
+  /// Where a pixel's ray is cured if it is lit in the print's layers from `first` to `first + count - 1`, but in none below, mm below the film of
+  /// the first. Uses no function of a library but +, -, * and /, so it is the same everywhere.
   double below_film_mm(std::uint32_t first, std::uint32_t count) const;
+
+  const LayerSteps& steps() const { return steps_; }
 
  private:
   // Usual prints have 13 bottom and faded layers. In a clear resin, Dp 0.35 mm, a ten-thousandth of the light is left below 64 layers of 50 um.
@@ -47,14 +58,19 @@ class CureDepths {
 
   double part_left(std::uint32_t layers) const;
   double depth_mm(std::uint32_t first, std::uint32_t count) const;
+  double adaptive_depth_mm(std::uint32_t first, std::uint32_t count) const;
+  double depth_of(double sum, double largest) const;
 
   CureModel model_;
+  LayerSteps steps_;
   double per_layer_;      ///< what is left of a dose one layer deeper is e to the power of this,
   double next_;           ///< and that
   std::uint32_t normal_;  ///< the first layer above the faded ones
   bool ends_ = false;     ///< nothing of a layer's light is left kTabled layers below
   /// For `first` and `count` - 1; the last of each: above the faded layers, and of a thick part.
   std::array<std::array<double, kTabled + 1>, kTabledFirst + 1> table_ = {};
+  // Of a layer of so many steps: what its dose is multiplied by, and what is left of a dose below it. Only of an adaptive print.
+  std::array<double, LayerSteps::kMostStep + 1> factor_ = {}, left_ = {};
 };
 
 }  // namespace plumbline::inline slicer
