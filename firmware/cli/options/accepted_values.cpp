@@ -1,5 +1,3 @@
-#include "firmware/settings/job_options.hpp"
-#include "firmware/settings/job_settings.hpp"
 #include "firmware/cli/options/accepted_values.hpp"
 
 #include <algorithm>
@@ -7,6 +5,8 @@
 #include <climits>
 #include <string_view>
 
+#include "firmware/settings/job_options.hpp"
+#include "firmware/settings/job_settings.hpp"
 #include "firmware/settings/setting_words.hpp"
 
 namespace plumbline::firmware {

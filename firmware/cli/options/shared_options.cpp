@@ -71,9 +71,10 @@ CLI::Option* add_printer_options(CLI::App& app, JobOptions& job) {
                                  "object")
                       ->type_name("NAME")
                       ->group(kPrinterGroup);
-  app.add_option("--layer-height", job.layer_height_mm,
-                 "0.005 to 1 mm [0.05, or the printer's]. A print may also have \"adaptive\": as the surface allows, thin "
-                 "where shallow tops make stairs, thick where walls are steep")
+  app.add_option(
+         "--layer-height", job.layer_height_mm,
+         "0.005 to 1 mm [0.05, or the printer's]. A print may also have \"adaptive\": as the surface allows, thin "
+         "where shallow tops make stairs, thick where walls are steep")
       ->type_name("MM")
       ->transform(layer_height())
       ->group(kPrinterGroup);

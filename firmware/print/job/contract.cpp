@@ -161,8 +161,8 @@ FixedText<160> heights_line(const PrintPlan& plan) {
   const double height = height_of(plan, plan.layers - 1).above_film().millimetres();
   const double usual = plan.exposed_height.millimetres(), unit = plan.layer_height.millimetres();
   FixedText<160> text;
-  text.add("heights    %.4g to %.4g mm, as the surface allows: %u layers where %.0f would be %.4g mm high", least * unit,
-           most * unit, plan.layers, std::ceil(height / usual), usual);
+  text.add("heights    %.4g to %.4g mm, as the surface allows: %u layers where %.0f would be %.4g mm high",
+           least * unit, most * unit, plan.layers, std::ceil(height / usual), usual);
   return text;
 }
 

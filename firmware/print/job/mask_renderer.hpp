@@ -14,8 +14,8 @@ namespace plumbline::firmware {
 
 /// One mask's facts. Times are the processor's: the machine's clock may be virtual.
 struct MaskFacts {
-  std::uint64_t hash = 0;              ///< mask_hash()
-  std::uint64_t pixels = 0;            ///< that let light through, times the layer's height in parts of PrintPlan::layer_height
+  std::uint64_t hash = 0;    ///< mask_hash()
+  std::uint64_t pixels = 0;  ///< that let light through, times the layer's height in parts of PrintPlan::layer_height
   std::chrono::nanoseconds making{};   ///< in its source, and eroding
   std::chrono::nanoseconds copying{};  ///< into the panel's buffer
 };

@@ -188,8 +188,7 @@ nanoseconds exposure_of(const PrintPlan& plan, std::uint32_t layer) {
   const nanoseconds exposure = plan.initial_exposure + nanoseconds(std::llround(difference * fade_of(plan, layer)));
   if (plan.steps.all_one()) return exposure;
   const double higher_mm = (thickness_of(plan, layer) - plan.exposed_height).millimetres();
-  return nanoseconds(
-      std::llround(static_cast<double>(exposure.count()) * dose_factor(higher_mm, plan.penetration_mm)));
+  return nanoseconds(std::llround(static_cast<double>(exposure.count()) * dose_factor(higher_mm, plan.penetration_mm)));
 }
 
 ZPosition height_of(const PrintPlan& plan, std::uint32_t layer) {

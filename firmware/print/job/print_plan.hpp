@@ -35,10 +35,10 @@ using TwoStageMove = std::array<StageMove, 2>;
 
 struct PrintPlan {
   std::uint32_t layers = 0;
-  LayerSteps steps;       ///< heights of an adaptive print's layers, in parts of layer_height
-  Distance layer_height;  ///< of an adaptive print the least
-  Distance exposed_height;   ///< of a layer that gets these exposures; differs in an adaptive print
-  double penetration_mm = 0; ///< Dp
+  LayerSteps steps;           ///< heights of an adaptive print's layers, in parts of layer_height
+  Distance layer_height;      ///< of an adaptive print the least
+  Distance exposed_height;    ///< of a layer that gets these exposures; differs in an adaptive print
+  double penetration_mm = 0;  ///< Dp
   Distance first_layer_more;  ///< that the first layer is higher than the others; may be negative
   nanoseconds exposure{};
   nanoseconds initial_exposure{};

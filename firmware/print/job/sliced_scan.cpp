@@ -47,8 +47,8 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, OverhangRu
   std::uint64_t shrunk = 0;
   const auto draw = [&](std::uint32_t layer) {
     const ConstBitImage mask = stream->mask(layer);
-    if (const std::uint32_t steps =
-            settings.foot.steps(heights.layer_at(layer), static_cast<double>(mm.pitch_x_mm), static_cast<double>(mm.pitch_y_mm))) {
+    if (const std::uint32_t steps = settings.foot.steps(heights.layer_at(layer), static_cast<double>(mm.pitch_x_mm),
+                                                        static_cast<double>(mm.pitch_y_mm))) {
       stream->draw_on_mask([&](BitImage image, BitImage drawn) { shrunk += shrink(image, steps, *rows, drawn); });
     }
     return mask;

@@ -72,15 +72,15 @@ void PrintChecks::check_job(bool has_journal) {
   const bool first_is_dark = settings_.first_cure_depth <= run.first;
   const Distance height = first_is_dark ? run.first : run.thickest;
   // The thickest layers of an adaptive print are exposed longer.
-  const Distance thicker =
-      plan.steps.all_one() ? Distance() : std::max(run.thickest - plan.exposed_height, Distance());
+  const Distance thicker = plan.steps.all_one() ? Distance() : std::max(run.thickest - plan.exposed_height, Distance());
   const Distance depth = first_is_dark ? settings_.first_cure_depth : settings_.cure_depth + thicker;
   result(Check::kLight)
       .detail.add("%s of %.3f mm cures %.3f mm deep", first_is_dark ? "the first layer" : "a layer",
                   height.millimetres(), depth.millimetres());
   result(Check::kLight).told = {PrinterCode::kCheckLight,
                                 {{Fact::kHeightMm, height.millimetres()}, {PrinterFact::kCureMm, depth.millimetres()}}};
-  if (plan.steps.all_one() && (run.thickest - run.thinnest).millimetres() > kUnevenNoted * plan.layer_height.millimetres()) {
+  if (plan.steps.all_one() &&
+      (run.thickest - run.thinnest).millimetres() > kUnevenNoted * plan.layer_height.millimetres()) {
     result(Check::kLight)
         .detail.add("; on the stage's steps the layers are %.4f to %.4f mm high", run.thinnest.millimetres(),
                     run.thickest.millimetres());

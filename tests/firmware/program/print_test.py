@@ -12,6 +12,19 @@ import time
 from case import PLUMBLINED, SIM2K, SOURCE_DIR, Program, add_ball, box, confirm_plate, main, on_stick_printer, split, write_sphere
 
 
+def ball(radius, rings=48):
+    """ASCII STL."""
+    at = lambda i, j: tuple(radius * c for c in (math.sin(math.pi * i / rings) * math.cos(math.pi * j / rings),
+                                                 math.sin(math.pi * i / rings) * math.sin(math.pi * j / rings), math.cos(math.pi * i / rings)))
+    facets = []
+    for i in range(rings):
+        for j in range(2 * rings):
+            a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
+            facets += ([(a, b, c)] if i < rings - 1 else []) + ([(a, c, d)] if i > 0 else [])
+    lines = ["facet normal 0 0 0 outer loop " + " ".join("vertex %.6f %.6f %.6f" % p for p in f) + " endloop endfacet" for f in facets]
+    return "\n".join(["solid ball", *lines, "endsolid ball\n"])
+
+
 class Print(Program):
     def test_print_cures_the_masks_that_slice_writes_supports_included(self):
         write_sphere(self.scan)
@@ -146,6 +159,34 @@ class Print(Program):
             self.assertAlmostEqual(measured["part"]["deviation_um"]["down_mean"] / 0.75, 0, delta=4, msg="no half layer is left")
         self.run_it(*same)
         self.assertIsNone(json.loads(report.read_text())["part"]["deviation_um"], "nothing of the part was kept")
+
+    def test_layers_are_as_high_as_the_surface_allows(self):
+        report, state, mesh = self.dir / "report.json", self.dir / "state", self.dir / "ball.stl"
+        mesh.write_text(ball(4.0))
+        same = ("print", mesh, "--printer", "sim2k", "--supports", "auto", "--support-stand", "raised", "--report", report, "--truth", mesh)
+        found = {}
+        for height in ("0.05", "adaptive"):
+            done = self.run_it(*same, "--layer-height", height)
+            printed = found[height] = json.loads(report.read_text())
+            self.assertEqual((printed["state"], printed["objections"], printed["late_masks"]), ("finished", [], 0))
+            self.assertAlmostEqual(printed["elapsed_s"] / printed["estimated_s"], 1, delta=0.02)
+        self.assertRegex(done.stderr + done.stdout, r"heights    0.02 to 0.1 mm, as the surface allows: \d+ layers where \d+ would be 0.05 mm high")
+        even, adaptive = found["0.05"], found["adaptive"]
+        self.assertLess(adaptive["part"]["deviation_um"]["top_rms"], 0.6 * even["part"]["deviation_um"]["top_rms"])
+        self.assertLess(abs(adaptive["part"]["deviation_um"]["down_mean"]), 10)
+        self.assertAlmostEqual(adaptive["resin_ml"], even["resin_ml"], delta=0.03 * even["resin_ml"])
+        # Each layer's light follows its height: in its layer of 0.1 mm the light goes as far beyond as in one of 0.05 mm.
+        lit = sorted({round(line["asked_s"], 3) for line in adaptive["exposures"][13:]})
+        self.assertEqual(lit, [round(2.5 * math.exp((mm - 0.05) / 0.12), 3) for mm in (0.02, 0.06, 0.1)])
+        # Resumed, it goes on with the same layers at the same heights.
+        self.run_it(*same, "--layer-height", "adaptive", "--state", state, "--fault", "power.cut@layer=90", status=1)
+        self.run_it("print", "--resume", "--state", state, "--printer", "sim2k", "--report", report)
+        resumed = json.loads(report.read_text())
+        self.assertEqual((resumed["state"], resumed["objections"]), ("finished", []))
+        hashes = [line["mask_hash"] for line in adaptive["exposures"]]
+        self.assertEqual([line["mask_hash"] for line in resumed["exposures"]], hashes[resumed["first_layer"] :])
+        refused = self.run_it("slice", mesh, "-o", self.out, "--printer", "sim2k", "--layer-height", "adaptive", status=1)
+        self.assertIn("--layer-height adaptive is for prints: in files all layers have one height", refused.stderr)
 
     def test_files_of_one_frame_are_one_print(self):
         write_sphere(self.scan)

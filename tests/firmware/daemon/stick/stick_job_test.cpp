@@ -139,6 +139,16 @@ TEST(StickJob, TakesAFloorAndAnOrientation) {
   EXPECT_THAT(both.error().message(), HasSubstr("leave out rotate_x_deg"));
 }
 
+TEST(StickJob, MayHaveLayersAsHighAsTheSurfaceAllows) {
+  const auto job = parse_stick_job("[job]\nscan = 'a.ply'\n[placement]\nlayer_height = 'adaptive'\n", "job.toml");
+  ASSERT_TRUE(job) << job.error().message();
+  EXPECT_TRUE(job->is_adaptive());
+  EXPECT_FALSE(job->print_values()[index_of(PrintKey::kLayerHeight)]);
+  const auto other = parse_stick_job("[job]\nscan = 'a.ply'\n[placement]\nlayer_height = 'fine'\n", "job.toml");
+  EXPECT_THAT(other.error().message(),
+              HasSubstr("found a string 'fine', allowed is a number from 0.005 to 1 mm, or the string \"adaptive\""));
+}
+
 TEST(StickJob, LeavesOpenWhatItsFileDoesNotSay) {
   const auto job = parse_stick_job("[job]\nscan = 'a.ply'\n", "job.toml");
   ASSERT_TRUE(job) << job.error().message();

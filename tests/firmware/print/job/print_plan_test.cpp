@@ -66,6 +66,34 @@ TEST(PrintPlan, HeightsAddUpWithoutRounding) {
   EXPECT_EQ(height_of(p, 9999).above_film().nanometres(), 123'000'000);
 }
 
+TEST(PrintPlan, ExposesEachLayerOfAnAdaptivePrintForItsHeight) {
+  LayerSteps steps;
+  for (int i = 0; i < 13; ++i) EXPECT_TRUE(steps.add(3));  // bottom and faded layers
+  for (const std::uint32_t step : {5, 5, 1, 1, 1, 3}) EXPECT_TRUE(steps.add(step));
+  auto settings = profile();
+  const auto p = plan_print(settings, machine(), 0.02, 55, steps).value();
+  EXPECT_EQ(p.layers, 19U);
+  EXPECT_EQ(height_of(p, 0), ZPosition(60_um));
+  EXPECT_EQ(height_of(p, 14), ZPosition(980_um));
+  EXPECT_EQ(height_of(p, 15), ZPosition(1000_um));
+  EXPECT_EQ(height_of(p, 18), ZPosition(1100_um));
+  EXPECT_EQ(thickness_of(p, 14), 100_um);
+  // Jacobs: a layer that is higher by d needs exp(d / Dp) of the light to be cured as far beyond itself.
+  const std::array<std::pair<std::uint32_t, double>, 4> layers = {{{0, 0.06}, {14, 0.1}, {15, 0.02}, {18, 0.06}}};
+  for (const auto& [layer, mm] : layers) {
+    const double usual = layer == 0 ? 30 : 2.5;
+    EXPECT_NEAR(seconds(exposure_of(p, layer)), usual * std::exp((mm - 0.05) / 0.12), 1e-6) << layer;
+  }
+  nanoseconds sum{};
+  for (std::uint32_t layer = 0; layer < p.layers; ++layer) sum += layer_time(p, layer);
+  EXPECT_EQ(remaining_time(p, 0), sum);
+  settings.exposure_time = 30;
+  auto cautious = machine();
+  cautious.max_exposure_s = 40;
+  EXPECT_TRUE(plan_print(settings, cautious, 0.05, 55));
+  EXPECT_FALSE(plan_print(settings, cautious, 0.02, 55, steps)) << "45.5 s for 0.1 mm";
+}
+
 TEST(PrintPlan, LiftsSlowlyWhilePeelingAndRetractsSlowlyNearTheFilm) {
   const auto p = plan();
   const auto up = lift_from(p, 9);
