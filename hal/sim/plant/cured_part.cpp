@@ -35,6 +35,7 @@ CuredPart::CuredPart(std::uint32_t columns, std::uint32_t rows, double pitch_x_m
                 .pitch_y_mm = pitch_y_mm,
                 .peel = peel,
                 .remember = keep}),
+      light_(columns, rows),
       open_(BitImage::words_needed(columns, rows), 0),
       asked_(open_.size(), 0),
       before_(keep ? open_.size() : 0, 0) {}
@@ -47,33 +48,32 @@ std::uint32_t CuredPart::layer_at(ZPosition z) const {
 void CuredPart::expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoint ended, Dose asked, Dose dose,
                        const Resin& resin, std::span<const GreyRun> greys) {
   assert(mask.columns() == columns_ && mask.rows() == rows_);
+  bool goes_on = false;  // the mask has changed under the lamp
   if (layer_at(z) == layers_.size()) {
     if (!layers_.empty() && keep_) pack_open_layer();
-    std::fill(open_.begin(), open_.end(), 0);
-    open_greys_.assign(greys.begin(), greys.end());
-    layers_.push_back({.z = z, .began = began, .ended = ended, .exposures = 0, .asked = asked, .dose = Dose(0)});
+    light_.clear();
+    layers_.push_back({.z = z, .began = began, .ended = ended, .exposures = 0, .asked = {}, .dose = Dose(0)});
     if (begins_a_part()) hanging_.clean_film();
     shaded_ = !hanging_.film_is_clean();
-    if (shaded_) std::fill(asked_.begin(), asked_.end(), 0);
-  } else if (!std::ranges::equal(open_greys_, greys)) {
-    open_greys_.clear();
+  } else {
+    goes_on = began == began_;
   }
+  began_ = began;
   CuredLayer& layer = layers_.back();
   layer.ended = ended;
   ++layer.exposures;
+  // What an interruption left of an exposure was asked for before.
+  if (light_.add(mask, greys, dose) && !goes_on) layer.asked = layer.asked + asked;
   layer.dose = layer.dose + dose;
   layer.depth_mm = resin.cure_depth_mm(layer.dose);
-  layer.pixels = 0;
-  const auto film = hanging_.film().words();
-  for (std::size_t i = 0; i < open_.size(); ++i) {
-    if (shaded_) {
-      asked_[i] |= mask.words()[i];
-      open_[i] |= mask.words()[i] & ~film[i];
-    } else {
-      open_[i] |= mask.words()[i];
-    }
+  light_.combine(image(open_), open_greys_);
+  if (shaded_) {
+    asked_ = open_;
+    const auto film = hanging_.film().words();
+    for (std::size_t i = 0; i < open_.size(); ++i) open_[i] &= ~film[i];
   }
   judge_greys(resin);
+  layer.pixels = 0;
   for (const std::uint64_t word : open_) {
     if (word != 0) layer.pixels += count_ones(word);
   }

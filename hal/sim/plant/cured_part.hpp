@@ -8,6 +8,7 @@
 
 #include "hal/clock.hpp"
 #include "hal/sim/part/hanging_part.hpp"
+#include "hal/sim/part/layer_light.hpp"
 #include "hal/sim/plant/resin.hpp"
 #include "hal/units.hpp"
 #include "slicer/core/bit_image.hpp"
@@ -20,8 +21,8 @@ struct CuredLayer {
   ZPosition z;                  ///< of the plate; the layer fills the gap between the film and the layer above
   TimePoint began;              ///< first light
   TimePoint ended;              ///< last light
-  std::uint32_t exposures = 0;  ///< more than one if an exposure was interrupted
-  Dose asked;                   ///< for the first exposure; 0: unrequested light
+  std::uint32_t exposures = 0;  ///< more than one if an exposure was interrupted, or through one mask after another
+  Dose asked;                   ///< for the first exposure through each of its masks; 0: unrequested light
   Dose dose;                    ///< of all exposures
   std::uint64_t pixels = 0;     ///< that got light, whether or not they stayed
   double depth_mm = 0;          ///< cured depth; 0: nothing cured
@@ -38,7 +39,7 @@ class CuredPart {
   /// Adds light of `dose` through `mask`, except where something lies on the film. At the last layer's height (within 1 um) it
   /// belongs to that layer, elsewhere it starts a new one.
   /// @param greys  ascending: pixels that get their level of the dose. They cure where that is above the critical dose, whatever their bits
-  ///               say. If exposures of one layer have different ones, the bits count
+  ///               say. Exposures of one layer add up pixel by pixel: what lit only some of them becomes grey
   void expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoint ended, Dose asked, Dose dose,
               const Resin& resin, std::span<const GreyRun> greys = {});
 
@@ -77,6 +78,8 @@ class CuredPart {
   bool keep_;
   HangingPart hanging_;
   std::vector<CuredLayer> layers_;
+  LayerLight light_;                        ///< of the last layer
+  TimePoint began_;                         ///< the last light
   std::vector<std::uint64_t> open_;         ///< lit pixels of the last layer, which is not packed yet
   std::vector<std::uint64_t> asked_;        ///< with those in the shadow of what lies on the film; valid if `shaded_`
   bool shaded_ = false;                     ///< something lay on the film when the last layer began
