@@ -13,20 +13,35 @@ namespace plumbline::inline hal {
 struct GreyScale {
   std::uint32_t levels = 2;  ///< that it tells apart, 2 to 256, evenly spaced from 0 to 255. 2: black and white
   double gamma = 1;          ///< measured: light = (value / 255)^gamma
+  /// With 2 levels: what is grey gets its share of the light by up to so many exposures of a layer more, 0 to kMostExposures. 0: it is
+  /// black or white.
+  std::uint32_t exposures = 0;
+  static constexpr std::uint32_t kMostExposures = 4;
 
-  bool has_grey() const { return levels > 2; }
+  /// Whether a mask on the panel can have grey pixels.
+  bool has_levels() const { return levels > 2; }
+  /// Whether a layer can.
+  bool has_grey() const { return has_levels() || exposures > 0; }
   /// @param value  0 to 255
   /// @returns the share of the light, 0 to 1
   double light(std::uint32_t value) const { return std::pow(value / 255.0, gamma); }
-  /// For each share of the dose, 0 to 255 of 255: that of the panel's values whose light is nearest.
-  std::array<std::uint8_t, 256> values() const {
+  /// For each share of the dose, 0 to 255 of 255, at each of 4 x 4 pixels: one of the panel's values between which the share lies, so many
+  /// times the brighter one that the mean light of 4 x 4 pixels is nearest. [share][4 * (row % 4) + column % 4]
+  using Values = std::array<std::array<std::uint8_t, 16>, 256>;
+  Values values() const {
+    // Ordered dither: thresholds of 16ths, neighbours as different as can be (Bayer 1973).
+    constexpr std::array<int, 16> kOrder = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
     const auto value = [&](std::uint32_t k) { return (510 * k + levels - 1) / (2 * (levels - 1)); };
-    std::array<std::uint8_t, 256> nearest{};
-    for (std::uint32_t share = 0, k = 0; share < nearest.size(); ++share) {
-      while (k + 1 < levels && light(value(k)) + light(value(k + 1)) < 2 * share / 255.0) ++k;
-      nearest[share] = static_cast<std::uint8_t>(value(k));
+    Values values{};
+    for (std::uint32_t share = 0, k = 0; share < values.size(); ++share) {
+      const double asked = share / 255.0;
+      while (k + 2 < levels && light(value(k + 1)) <= asked) ++k;
+      const double below = light(value(k)), part = (asked - below) / (light(value(k + 1)) - below);
+      for (std::size_t i = 0; i < kOrder.size(); ++i) {
+        values[share][i] = static_cast<std::uint8_t>(value(16 * part > kOrder[i] + 0.5 ? k + 1 : k));
+      }
     }
-    return nearest;
+    return values;
   }
 };
 

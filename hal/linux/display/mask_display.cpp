@@ -14,7 +14,7 @@ LinuxMaskDisplay::LinuxMaskDisplay(const PanelLayout& layout, KmsPanel panel, st
       settling_(settling),
       values_(layout.grey.values()) {
   for (auto& words : words_) words.resize(BitImage::words_needed(layout.columns, layout.rows));
-  if (!layout.grey.has_grey()) return;
+  if (!layout.grey.has_levels()) return;
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     runs_[i].resize(GreyRuns::runs_needed(layout.columns, layout.rows));
     greys_[i] = GreyRuns(runs_[i], layout.columns);

@@ -30,7 +30,7 @@ class LinuxMaskDisplay final : public MaskDisplay {
   std::array<std::vector<std::uint64_t>, 2> words_;
   std::array<std::vector<GreyRun>, 2> runs_;
   std::array<GreyRuns, 2> greys_;
-  std::array<std::uint8_t, 256> values_;  ///< for each level
+  GreyScale::Values values_;
   std::size_t lent_ = 0;
 };
 

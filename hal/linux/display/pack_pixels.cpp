@@ -79,16 +79,18 @@ void pack_pixels(const PanelLayout& layout, ConstBitImage mask, std::span<std::u
   }
 }
 
-void pack_greys(const PanelLayout& layout, std::span<const GreyRun> runs, const std::array<std::uint8_t, 256>& values,
+void pack_greys(const PanelLayout& layout, std::span<const GreyRun> runs, const GreyScale::Values& values,
                 std::span<std::uint32_t> pixels, std::size_t pitch) {
   const auto bytes = std::as_writable_bytes(pixels);
   // Of the next pixel of a row of the mask.
   const auto origin = layout.sent({0, 0}), right = layout.sent({1, 0});
   const std::uint32_t step_x = right.column - origin.column, step_y = right.row - origin.row;  // 0, 1 or ~0
   for (const GreyRun& run : runs) {
-    auto to = layout.sent({run.pixel % layout.columns, run.pixel / layout.columns});
-    const std::uint32_t value = values[run.level];
+    const std::uint32_t column = run.pixel % layout.columns, row = run.pixel / layout.columns;
+    auto to = layout.sent({column, row});
+    const auto of_row = std::span(values[run.level]).subspan(4 * (row % 4), 4);
     for (std::uint32_t i = 0; i < run.count; ++i, to.column += step_x, to.row += step_y) {
+      const std::uint32_t value = of_row[(column + i) % 4];
       if (layout.rgb) {  // little endian: blue, green, red
         bytes[4 * (to.row * pitch + to.column / 3) + 2 - to.column % 3] = static_cast<std::byte>(value);
       } else {

@@ -23,7 +23,7 @@ void pack_pixels(const PanelLayout& layout, ConstBitImage mask, std::span<std::u
 /// Writes grey pixels over those of pack_pixels(). Reads none, as above.
 /// @param runs    ascending, of the mask
 /// @param values  GreyScale::values()
-void pack_greys(const PanelLayout& layout, std::span<const GreyRun> runs, const std::array<std::uint8_t, 256>& values,
+void pack_greys(const PanelLayout& layout, std::span<const GreyRun> runs, const GreyScale::Values& values,
                 std::span<std::uint32_t> pixels, std::size_t pitch);
 
 }  // namespace plumbline::inline hal::inline linux_board

@@ -7,10 +7,10 @@ namespace plumbline::inline hal::inline sim {
 
 PanelModel::PanelModel(Timeline& timeline, const Build& build) : timeline_(timeline), build_(build) {
   for (auto& buffer : buffers_) buffer.resize(BitImage::words_needed(build.columns, build.rows), 0);
-  if (!build.grey.has_grey()) return;
-  const auto values = build.grey.values();
-  for (std::size_t level = 0; level < values.size(); ++level) {
-    light_[level] = static_cast<std::uint8_t>(std::lround(255 * build.grey.light(values[level])));
+  if (!build.grey.has_levels()) return;
+  light_ = build.grey.values();
+  for (auto& of_level : light_) {
+    for (auto& value : of_level) value = static_cast<std::uint8_t>(std::lround(255 * build.grey.light(value)));
   }
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     runs_[i].resize(GreyRuns::runs_needed(build.columns, build.rows));
@@ -58,14 +58,25 @@ ConstBitImage PanelModel::visible() {
   return {torn_, build_.columns, build_.rows};
 }
 
+/// Adds what the panel makes of a run.
+void PanelModel::add_visible(const GreyRun& run) {
+  const std::uint32_t column = run.pixel % build_.columns, row = run.pixel / build_.columns;
+  const auto of_row = std::span(light_[run.level]).subspan(4 * (row % 4), 4);
+  std::uint32_t begin = 0;  // of the pixels of one light
+  for (std::uint32_t i = 1; i <= run.count; ++i) {
+    const std::uint8_t light = of_row[(column + begin) % 4];
+    if (i < run.count && of_row[(column + i) % 4] == light) continue;
+    visible_greys_.push_back({run.pixel + begin, static_cast<std::uint16_t>(i - begin), light});
+    begin = i;
+  }
+}
+
 std::span<const GreyRun> PanelModel::visible_greys() {
   const std::uint32_t pixels = build_.columns * build_.rows, half = build_.columns * (build_.rows / 2);
   visible_greys_.clear();
   const auto add = [&](std::size_t which, std::uint32_t begin, std::uint32_t end) {
-    for (GreyRun run : greys_[which].runs()) {
-      if (run.pixel < begin || run.pixel >= end) continue;
-      run.level = light_[run.level];
-      visible_greys_.push_back(run);
+    for (const GreyRun& run : greys_[which].runs()) {
+      if (run.pixel >= begin && run.pixel < end) add_visible(run);
     }
   };
   if (!shows_two()) {

@@ -58,6 +58,7 @@ class PanelModel {
 
  private:
   BitImage image(std::size_t which) { return {buffers_[which], build_.columns, build_.rows}; }
+  void add_visible(const GreyRun& run);
   /// Whether the upper half shows one mask and the lower another.
   bool shows_two() const { return changing_ || (!matches_mask_ && torn); }
 
@@ -66,7 +67,7 @@ class PanelModel {
   std::array<std::vector<std::uint64_t>, 2> buffers_;
   std::array<std::vector<GreyRun>, 2> runs_;
   std::array<GreyRuns, 2> greys_;
-  std::array<std::uint8_t, 256> light_{};  ///< for each level that is asked for
+  GreyScale::Values light_{};  ///< as GreyScale::values()
   std::vector<std::uint64_t> torn_;
   std::vector<GreyRun> visible_greys_;
   std::size_t shown_ = 0;

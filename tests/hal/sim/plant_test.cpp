@@ -345,9 +345,9 @@ TEST(Plant, CuresGreyAsItsPanelsLightSays) {
     const auto add_greys = [](std::uint32_t layer, GreyRuns& greys) {
       if (layer != 0) return;
       for (std::uint32_t y = 20; y < 40; ++y) {
-        greys.add({100 * y + 10, 10, 120});
-        greys.add({100 * y + 20, 10, 60});
-        greys.add({100 * y + 60, 10, 120});
+        greys.add({100 * y + 10, 10, 113});
+        greys.add({100 * y + 20, 10, 28});
+        greys.add({100 * y + 60, 10, 113});
       }
     };
     ASSERT_TRUE(print_layers(machine.machine(), {.layers = 1, .draw = draw, .add_greys = add_greys}));
@@ -356,14 +356,14 @@ TEST(Plant, CuresGreyAsItsPanelsLightSays) {
     EXPECT_EQ(plant.part().layers()[0].pixels, 40U * 60) << "ten columns more, ten less";
     DoseModel model{.resin = settings.resin, .pitch_x_mm = 0.5, .pitch_y_mm = 0.5};
     const DoseField field(model, plant.part());
-    const double share = grey.levels == 4 ? std::round(255 * 4.0 / 9) / 255 : 120 / 255.0;
+    const double share = grey.levels == 4 ? std::round(255 * 4.0 / 9) / 255 : 113 / 255.0;
     const double dose = plant.lights()[0].dose.value(), deep = 0.11 * std::log(share * dose / 2.4);
     for (const std::uint32_t column : {15U, 65U}) {
       const auto depths = field.cured_depths(column, 30);
       ASSERT_THAT(depths, SizeIs(2)) << grey.levels << " " << column;
       EXPECT_NEAR(depths[0], std::max(0.0, 0.05 - deep), 1e-5);
     }
-    EXPECT_THAT(field.cured_depths(25, 30), IsEmpty()) << "60 / 255 of 7.5 are 1.8 of 2.4";
+    EXPECT_THAT(field.cured_depths(25, 30), IsEmpty()) << "28 / 255 of 7.5 are 0.8 of 2.4";
   }
 }
 
