@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "slicer/core/resin/cure_model.hpp"
-#include "slicer/core/resin/foot_shrink.hpp"
 #include "slicer/core/resin/peel_force.hpp"
 #include "slicer/layers/adaptive_layers.hpp"
 #include "slicer/orientation/clean_side.hpp"
@@ -32,7 +31,6 @@ struct SliceSettings {
   CureModel cure;             ///< of the print: if it is known, add_supports() corrects the object for bleed
   AdaptiveLayers adaptive;    ///< of the print: if it is wanted, add_supports() chooses the heights of its layers
   PeelSettings peel;          ///< of the resin: for the checks of the masks only
-  FootShrink foot;            ///< of the print: for the checks of the masks only
   double overcure_mm = 0;     ///< by which a layer's light cures more than the layer: for the checks of the masks only
   std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
 };

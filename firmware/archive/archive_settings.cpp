@@ -6,7 +6,7 @@
 
 #include "firmware/archive/layer_numbers.hpp"
 #include "firmware/messages/printer_code.hpp"
-#include "slicer/core/resin/foot_shrink.hpp"
+#include "slicer/core/resin/bottom_fade.hpp"
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 

@@ -3,29 +3,23 @@
 #include <utility>
 
 #include "firmware/io/mask_hash.hpp"
-#include "firmware/print/job/print_plan.hpp"
+#include "firmware/print/job/mask_source.hpp"
 
 namespace plumbline::firmware {
 
 Expected<std::unique_ptr<OfferedArchiveMasks>> OfferedArchiveMasks::create(int file, std::string_view name,
                                                                            const SlicedArchive& sliced,
-                                                                           const PrintPlan& plan,
                                                                            ChildLayerDecoder& decoder, bool shows_grey,
                                                                            Arena& arena) {
   const PrintGrid& grid = sliced.grid;
   std::unique_ptr<OfferedArchiveMasks> offered(new OfferedArchiveMasks(file, name, sliced, decoder, arena));
   PLUMBLINE_TRY(decoder.prepare(grid, shows_grey, arena));
-  const std::size_t words = BitImage::words_needed(grid.columns, grid.rows);
-  const auto both = arena.take_bottom<std::uint64_t>(2 * words, "masks");
-  PLUMBLINE_TRY(both);
-  offered->decoded_.emplace(grid, BitImage(both->first(words), grid.columns, grid.rows));
-  offered->mask_ = BitImage(both->last(words), grid.columns, grid.rows);
+  const auto words = arena.take_bottom<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), "masks");
+  PLUMBLINE_TRY(words);
+  offered->mask_ = BitImage(*words, grid.columns, grid.rows);
   const auto greys = take_greys(grid, shows_grey, arena);
   PLUMBLINE_TRY(greys);
   offered->greys_ = *greys;
-  const auto masks = MaskRenderer::create(*offered->decoded_, plan, arena);
-  PLUMBLINE_TRY(masks);
-  offered->masks_ = *masks;
   return offered;
 }
 
@@ -48,7 +42,6 @@ Expected<bool> OfferedArchiveMasks::draw(std::uint32_t layer, LayerPicture& pict
       done_.reset();  // whoever asks again lets it be tried again
       return tl::unexpected<Error>(*problem_);
     }
-    PLUMBLINE_TRY(masks_->render(layer, mask_));
     draw_layer_picture(mask_, picture);
     return true;
   }
@@ -63,7 +56,7 @@ Expected<bool> OfferedArchiveMasks::draw(std::uint32_t layer, LayerPicture& pict
 /// Takes what the child has decoded, if it has ended.
 void OfferedArchiveMasks::look() {
   if (!asked_) return;
-  const auto finished = decoder_.finish(std::chrono::milliseconds(0), decoded_->image(), greys_);
+  const auto finished = decoder_.finish(std::chrono::milliseconds(0), mask_, greys_);
   const bool hangs = finished && !*finished && HostClock::now() - asked_at_ > decoder_.patience().layer;
   if (finished && !*finished && !hangs) return;
   done_ = std::exchange(asked_, std::nullopt);
@@ -72,7 +65,7 @@ void OfferedArchiveMasks::look() {
     problem_ = decoder_.give_up();
   } else if (!finished) {
     problem_ = finished.error();
-  } else if (mask_hash(decoded_->image(), greys_.runs()) != sliced_.layers[*done_].hash) {
+  } else if (mask_hash(mask_, greys_.runs()) != sliced_.layers[*done_].hash) {
     problem_ = Error::format(ErrorCode::kMalformed, "%s: layer %u is not as it was when the print was checked",
                              name_.c_str(), *done_ + 1);
   }

@@ -18,14 +18,13 @@ namespace plumbline::firmware {
 /// releases the arena.
 class OfferedArchiveMasks final : public OfferedMasks {
  public:
-  /// Takes two masks from the bottom of the arena, and what the decoder needs from its top.
+  /// Takes a mask from the bottom of the arena, and what the decoder needs from its top.
   /// @param file        the archive's descriptor; must stay open
   /// @param sliced      must outlive it, as must the decoder and the arena
   /// @param shows_grey  the panel does, as when the archive was checked
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<std::unique_ptr<OfferedArchiveMasks>> create(int file, std::string_view name,
                                                                              const SlicedArchive& sliced,
-                                                                             const PrintPlan& plan,
                                                                              ChildLayerDecoder& decoder,
                                                                              bool shows_grey, Arena& arena);
   ~OfferedArchiveMasks() override;
@@ -39,19 +38,6 @@ class OfferedArchiveMasks final : public OfferedMasks {
  private:
   using HostClock = std::chrono::steady_clock;
 
-  /// The layer that was decoded last.
-  class Decoded final : public MaskSource {
-   public:
-    Decoded(const PrintGrid& grid, BitImage image) : grid_(grid), image_(image) {}
-    const PrintGrid& grid() const override { return grid_; }
-    Expected<ConstBitImage> mask(std::uint32_t /*layer*/) override { return ConstBitImage(image_); }
-    BitImage image() const { return image_; }
-
-   private:
-    PrintGrid grid_;
-    BitImage image_;
-  };
-
   OfferedArchiveMasks(int file, std::string_view name, const SlicedArchive& sliced, ChildLayerDecoder& decoder,
                       Arena& arena);
   void look();
@@ -63,10 +49,8 @@ class OfferedArchiveMasks final : public OfferedMasks {
   Arena& arena_;
   std::size_t bottom_;
   ArenaScope top_;
-  std::optional<Decoded> decoded_;
-  std::optional<MaskRenderer> masks_;
-  GreyRuns greys_;  ///< of the decoded layer: only for its hash
-  BitImage mask_;
+  BitImage mask_;                       ///< the layer that was decoded last
+  GreyRuns greys_;                      ///< of it: only for its hash
   std::optional<std::uint32_t> asked_;  ///< the layer that the child decodes
   HostClock::time_point asked_at_;
   std::optional<std::uint32_t> done_;  ///< the layer that it decoded last,

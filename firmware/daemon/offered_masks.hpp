@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "firmware/pictures/job_pictures.hpp"
-#include "firmware/print/job/mask_renderer.hpp"
 #include "firmware/print/job/mask_source.hpp"
 #include "firmware/print/job/sliced_scan.hpp"
 #include "firmware/settings/board_file.hpp"
@@ -29,11 +28,10 @@ class OfferedMasks {
 /// Those of a scan. Its destructor releases the arena.
 class OfferedScanMasks final : public OfferedMasks {
  public:
-  /// Takes a mask stream and a mask from the bottom of the arena.
+  /// Takes a mask stream from the bottom of the arena.
   /// @param sliced  must outlive it, as must the arena
   /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] static Expected<std::unique_ptr<OfferedScanMasks>> create(const SlicedScan& sliced,
-                                                                          const PrintPlan& plan, Arena& arena);
+  [[nodiscard]] static Expected<std::unique_ptr<OfferedScanMasks>> create(const SlicedScan& sliced, Arena& arena);
   ~OfferedScanMasks() override { arena_.release_bottom(mark_); }
   OfferedScanMasks(const OfferedScanMasks&) = delete;
   OfferedScanMasks& operator=(const OfferedScanMasks&) = delete;
@@ -46,9 +44,7 @@ class OfferedScanMasks final : public OfferedMasks {
 
   Arena& arena_;
   std::size_t mark_;
-  std::optional<StreamMasks> stream_;
-  std::optional<MaskRenderer> masks_;
-  BitImage mask_;
+  std::optional<MaskStream> stream_;
 };
 
 /// The error of a layer that a stack of `layers` does not have.

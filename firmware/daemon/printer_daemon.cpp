@@ -264,7 +264,7 @@ Expected<std::optional<Contract>> PrinterDaemon::agree(std::string_view name, co
   auto contract = make(profile);
   PLUMBLINE_TRY(contract);
   // Without room for the masks there are none to look at.
-  const auto to_look_at = masks(contract->plan);
+  const auto to_look_at = masks();
   OfferedContract offered(name, *contract, profile, make, observer_);
   offered.tell();
   for_each_issue(findings, grid, profile.checks, [&](IssueKind kind, CheckAction, std::string_view sentence) {
@@ -302,7 +302,7 @@ Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, const Sl
       [&](const PrintProfile& profile) {
         return contract_of(sliced, job.request.settings, profile, settings_.machine);
       },
-      [&](const PrintPlan& plan) { return OfferedScanMasks::create(sliced, plan, arena_); });
+      [&] { return OfferedScanMasks::create(sliced, arena_); });
   PLUMBLINE_TRY(contract);
   if (!*contract) return std::nullopt;
   return printable_of(sliced, name, job.profile.name, **contract);
@@ -320,8 +320,8 @@ Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, JobStore
   const auto contract = agree(
       name, sliced->grid, sliced->findings, job.profile,
       [&](const PrintProfile& changed) { return contract_of(*sliced, changed, settings_.machine); },
-      [&](const PrintPlan& plan) {
-        return OfferedArchiveMasks::create(archive.file.get(), name, *sliced, plan, decoder_,
+      [&] {
+        return OfferedArchiveMasks::create(archive.file.get(), name, *sliced, decoder_,
                                            settings_.machine.panel.grey.has_grey(), arena_);
       });
   PLUMBLINE_TRY(contract);

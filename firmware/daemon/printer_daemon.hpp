@@ -84,7 +84,7 @@ class PrinterDaemon {
   /// Finds the best ways up of what is offered.
   Status propose(const StickMount& mount, StickOffer& offer);
   using MakeContract = std::function<Expected<Contract>(const PrintProfile& profile)>;
-  using MakeMasks = std::function<Expected<std::unique_ptr<OfferedMasks>>(const PrintPlan& plan)>;
+  using MakeMasks = std::function<Expected<std::unique_ptr<OfferedMasks>>()>;
   /// Tells what will be done and what the checks found, then refuses the job, asks a person or goes on, as profile and board file say.
   /// @param profile  gets what the person changes
   /// @param masks    to look at meanwhile

@@ -82,7 +82,7 @@ Status PrintSession::make_ready() {
   const auto masks = MaskRenderer::create(source(), plan(), arena_);
   PLUMBLINE_TRY(masks);
   masks_ = *masks;
-  const std::size_t exposures = std::size_t{plan().layers} + kSpareExposures;
+  const std::size_t exposures = most_exposures(plan()) + kSpareExposures;
   const auto lines = arena_.take_bottom<ExposureLine>(exposures, "report");
   PLUMBLINE_TRY(lines);
   lines_ = *lines;

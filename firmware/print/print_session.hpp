@@ -20,7 +20,7 @@ namespace plumbline::firmware {
 
 class PrintSession {
  public:
-  /// Room in the report for exposures beyond one a layer: a layer that was interrupted takes two.
+  /// Room in the report for exposures beyond most_exposures(): one that was interrupted takes two.
   static constexpr std::size_t kSpareExposures = 256;
 
   /// @param arena  all of it is the session's. Must outlive it, as must board and store

@@ -206,6 +206,7 @@ constexpr JsonField<StepFigures> kStepFields[] = {
 
 constexpr JsonField<ExposureLine> kExposureFields[] = {
     {"layer", member<&ExposureLine::layer>},
+    {"exposure", member<&ExposureLine::exposure>},
     {"asked_s", member<&ExposureLine::asked>},
     {"lit_s", member<&ExposureLine::lit>},
     {"dose_mj_cm2", [](auto& json, auto& line) { json.value(thousandths(line.dose.value())); }},

@@ -48,6 +48,7 @@ std::vector<SettingRule> board_rules(BoardFile& board, MachineFile& machine) {
       {"panel", "refresh_delay_ms", &machine.refresh_delay_ms, 0, 1000, " ms", kMachine},
       {"panel", "grey_levels", &machine.panel.grey.levels, 2, 256, "", Presence::kOptional},
       {"panel", "grey_gamma", &machine.panel.grey.gamma, 0.2, 5, "", Presence::kOptional},
+      {"panel", "grey_exposures", &machine.panel.grey.exposures, 0, GreyScale::kMostExposures, "", Presence::kOptional},
       {"z_stage", "travel_mm", &board.travel_mm, 1, 2000, " mm"},
       {"z_stage", "rotation_distance_mm", &machine.rotation_distance_mm, 0.1, 100, " mm", kMachine},
       {"z_stage", "full_steps_per_rotation", &machine.full_steps_per_rotation, 20, 1000, " steps", kMachine},
@@ -79,6 +80,9 @@ std::vector<SettingRule> board_rules(BoardFile& board, MachineFile& machine) {
 std::string check_board_key(const SettingRule& rule, const BoardFile& board, MachineFile& machine) {
   machine.panel.columns = board.columns;
   machine.panel.rows = board.rows;
+  if (rule.key == "grey_exposures" && machine.panel.grey.exposures > 0 && machine.panel.grey.has_levels()) {
+    return "allowed is 0 with grey_levels above 2: the panel shows grey itself, in one exposure";
+  }
   if (rule.key == "lamp_resume_c" && machine.lamp_resume_c >= machine.lamp_max_c) {
     return "allowed is less than lamp_max_c";
   }

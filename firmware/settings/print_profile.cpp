@@ -166,7 +166,6 @@ double finest_layer_mm(const PrintProfile& profile) {
 
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings) {
   settings.peel = profile.peel;
-  settings.foot = {profile.elefant_foot_compensation, profile.bottom_layer_count, profile.faded_layers};
   const double shrinks = settings.placement.correction[2];  // light goes as deep as the machine measures
   const double height = profile.layer_height / shrinks;
   settings.adaptive = profile.adaptive ? adaptive_layers(profile) : AdaptiveLayers();

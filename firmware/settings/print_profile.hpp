@@ -58,13 +58,14 @@ struct PrintProfile {
   double retract_speed = 0;              ///< [print] mm/min, first, fast part of the way down
   double retract_height2 = 0;            ///< [print] mm, second, slow part, next to the film; 0: none
   double retract_speed2 = 0;             ///< [print] mm/min
-  double elefant_foot_compensation = 0;  ///< [print] mm by which the outline of the bottom layers is moved inwards
-  double absolute_correction = 0;        ///< [print] mm by which every outline is moved, outwards if above 0
-  double pause_lift_height = 0;          ///< [print] mm that a pause raises the part
-  bool supports_enable = true;           ///< [supports] for jobs that don't say
-  SupportSettings supports;              ///< [supports] what they look like
-  std::string archive;                   ///< name of the archive that has said some of the values; empty: none has
-  CheckPolicy checks;                    ///< [checks] what happens when the masks have an issue
+  double elefant_foot_compensation =
+      0;                           ///< [print] mm of the bottom layers' outline that get a normal layer's light only
+  double absolute_correction = 0;  ///< [print] mm by which every outline is moved, outwards if above 0
+  double pause_lift_height = 0;    ///< [print] mm that a pause raises the part
+  bool supports_enable = true;     ///< [supports] for jobs that don't say
+  SupportSettings supports;        ///< [supports] what they look like
+  std::string archive;             ///< name of the archive that has said some of the values; empty: none has
+  CheckPolicy checks;              ///< [checks] what happens when the masks have an issue
   std::array<ValueSource, kPrintKeyCount> sources = {};  ///< of the values of [print], in the order of kPrintFields
 };
 
@@ -102,7 +103,7 @@ CureModel grey_model(const PrintProfile& profile, const MachineFile& machine);
 /// Height of the R-Rep's layers for a print, mm: of an adaptive one the least.
 double finest_layer_mm(const PrintProfile& profile);
 
-/// What the slicer needs to know of the print: the resin, the compensation of elephant's foot, how deep light cures, and how high layers may be.
+/// What the slicer needs to know of the print: the resin, how deep light cures, and how high layers may be.
 /// @param settings  after correct_sizes(): its layer height, finest_layer_mm() of the machine, is read
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings);
 

@@ -243,13 +243,13 @@ class Rig {
       machine_.emplace(plant);
     }
     source_.emplace(MaskStream::create(tower_.rrep(), supports_, *arena_).value());
-    masks_ = MaskRenderer::create(*source_, plan, *arena_).value();
+    masks_ = MaskRenderer::create(wrap ? wrap(*source_) : *source_, plan, *arena_).value();
     auto opened = Journal::open(storage);
     const bool is_new = !opened && opened.error().code() == ErrorCode::kTruncated;
     if (is_new) opened = Journal::create(storage, job_hash, plan.layers);
     EXPECT_TRUE(opened) << opened.error().message();
     journal_ = *opened;
-    lines_.assign(2 * plan.layers + 50, {});
+    lines_.assign(most_exposures(plan) + plan.layers + 50, {});
     Machine machine = machine_->machine();
     return run_print(machine, settings(), *masks_, &*journal_, record, lines_, user,
                      is_new ? std::nullopt : std::optional(journal_->last()));
@@ -326,7 +326,8 @@ class Rig {
   PlantStorage storage;
   RigUser user;
   std::uint64_t job_hash = 77;
-  bool same_process = false;  ///< the next run() is in the process of the last one, as in the daemon
+  std::function<MaskSource&(MaskSource&)> wrap;  ///< makes the masks other than the tower's
+  bool same_process = false;                     ///< the next run() is in the process of the last one, as in the daemon
 
  private:
   std::vector<std::byte> block_;

@@ -8,7 +8,8 @@ CLI::Option* add_grey_option(CLI::App& app, std::string& grey) {
   return app
       .add_option("--grey", grey,
                   "off: pixels are black or white; vertical: they are grey where the object begins, so that "
-                  "undersides lie between the heights of layers, on a panel that shows grey [the profile's, or off]")
+                  "undersides lie between the heights of layers. Takes a panel with grey_levels, or one with "
+                  "grey_exposures, which shows such a layer in several exposures [the profile's, or off]")
       ->type_name("KIND")
       ->check(CLI::IsMember(std::vector<std::string>(kGreyWords.begin(), kGreyWords.end())));
 }
@@ -19,7 +20,7 @@ Status choose_grey(const std::string& grey, const BoardFile& board, const Machin
   if (profile.grey == Grey::kOff) return {};
   if (!machine.panel.grey.has_grey()) {
     return fail(ErrorCode::kBadSetting,
-                "--grey %s: the panel of %s shows black and white only.\tLeave it out, or give [panel] grey_levels",
+                "--grey %s: the panel of %s shows black and white only.\tLeave it out, or give [panel] grey_exposures",
                 grey.c_str(), board.path.c_str());
   }
   if (!profile.exchange) {

@@ -6,6 +6,7 @@
 
 #include "firmware/io/text/json_writer.hpp"
 #include "firmware/messages/printer_code.hpp"
+#include "firmware/print/job/layer_exposures.hpp"
 #include "firmware/slice/proof_report.hpp"
 #include "hal/uv_lamp.hpp"
 #include "slicer/core/words/plural.hpp"
@@ -80,8 +81,12 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
                                  const ContractSubject& subject) {
   const PrintGrid grid = machine_grid(subject.grid, subject.sizes.relative());
   const auto layer_height = static_cast<double>(grid.layer_height_mm);
-  const auto plan = plan_print(profile, machine, layer_height, grid.layers, subject.steps);
+  auto plan = plan_print(profile, machine, layer_height, grid.layers, subject.steps);
   PLUMBLINE_TRY(plan);
+  if (subject.is_archive) {
+    plan->grey = {};
+    plan->grey_exposures = subject.grey > 0 ? machine.panel.grey.exposures : 0;
+  }
   Contract contract;
   contract.plan = *plan;
   contract.sources = profile.sources;
@@ -104,7 +109,6 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
   contract.cure_depth = cure_depth(profile, light, plan->exposure);
   contract.first_cure_depth = cure_depth(profile, light, plan->initial_exposure);
   contract.is_archive = subject.is_archive;
-  if (subject.is_archive) contract.plan.grey = {};
   contract.grey = subject.grey;
   contract.shows_grey = machine.panel.grey.has_grey();
   contract.grey_lost = contract.shows_grey ? 0 : subject.grey_lost;
@@ -210,6 +214,20 @@ void for_each_doubt(const Contract& contract, std::string_view name,
   if (contract.doubts_about(Doubt::kGrey)) say_grey(contract, name, say);
 }
 
+namespace {
+
+/// What grey on a panel of black and white costs.
+FixedText<160> grey_exposures_line(const PrintPlan& plan) {
+  const std::uint32_t n = grey_exposures_of(plan, plan.layers - 1);
+  const double more = seconds_in(plan.mask_change * n);
+  FixedText<160> text;
+  text.add("grey       by up to %u exposures of a layer instead of one: %.2f s more for a layer with grey pixels",
+           n + 1, more);
+  return text;
+}
+
+}  // namespace
+
 void for_each_contract_line(const Contract& contract, const std::function<void(std::string_view)>& say) {
   FixedText<300> size;
   size.add("prints     %s", size_line(contract).c_str());
@@ -227,6 +245,7 @@ void for_each_contract_line(const Contract& contract, const std::function<void(s
   }
   say(size.view());
   if (!contract.plan.steps.all_one()) say(heights_line(contract.plan).view());
+  if (contract.plan.grey_exposures > 0) say(grey_exposures_line(contract.plan).view());
   if (contract.sizes.any()) say("corrected  " + std::string(contract.sizes.text().view()));
   const auto line = [&](const char* title, std::initializer_list<PrintKey> keys) {
     ValueList values(contract);

@@ -16,7 +16,7 @@ namespace {
 
 /// Change the version whenever the stored data change, JobFacts, Contract and PrintPlan included.
 constexpr std::uint32_t kJobMagic = 0x424F4A50;  // "PJOB"
-constexpr std::uint32_t kJobFileVersion = 11;
+constexpr std::uint32_t kJobFileVersion = 12;
 
 struct JobHeader {
   std::uint32_t magic = kJobMagic;
@@ -109,10 +109,11 @@ std::uint64_t hash_of(const BoardFile& board) {
                                m.end_stop_height_mm, m.power_mw_cm2}) {
       number(value);
     }
-    if (m.panel.grey.has_grey()) {
+    if (m.panel.grey.has_levels()) {
       number(m.panel.grey.levels);
       number(m.panel.grey.gamma);
     }
+    if (m.panel.grey.exposures > 0) number(m.panel.grey.exposures);
   }
   return hash.value();
 }

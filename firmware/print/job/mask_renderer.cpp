@@ -1,8 +1,10 @@
 #include "firmware/print/job/mask_renderer.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/io/mask_hash.hpp"
+#include "slicer/core/bit_spans.hpp"
 
 namespace plumbline::firmware {
 namespace {
@@ -55,27 +57,60 @@ std::size_t MaskRenderer::bytes_needed(const PrintGrid& grid) {
   return Arena::rounded(3 * BitImage::words_needed(grid.columns, 1) * sizeof(std::uint64_t));
 }
 
-Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, BitImage out, GreyRuns* greys) {
+/// Takes a layer's own mask from the source.
+Status MaskRenderer::make(std::uint32_t layer) {
+  layer_.reset();
+  const auto mask = source_->mask(layer);
+  PLUMBLINE_TRY(mask);
+  mask_ = *mask;
+  const auto pitch = (static_cast<double>(grid().pitch_x_mm) + static_cast<double>(grid().pitch_y_mm)) / 2;
+  foot_steps_ = static_cast<std::uint32_t>(std::lround(plan_.elephant_foot.millimetres() / pitch));
+  needs_ = {.foot = foot_steps_ > 0};
+  const std::uint32_t n = grey_exposures_of(plan_, layer);
+  for (const GreyRun& run : source_->greys()) needs_.shares |= 1U << share_of(run.level, n);
+  needs_.shares &= ~(1U | 1U << (1U << n));  // black and white
+  hash_ = mask_hash(mask_, source_->greys());
+  pixels_ = mask_.count() * plan_.steps.of(layer).step;
+  layer_ = layer;
+  return {};
+}
+
+/// Makes grey pixels black or white as an exposure shows them.
+void MaskRenderer::show_shares(const LayerExposure& exposure, std::uint32_t n, BitImage out) const {
+  const std::uint32_t white = exposure.shares | 1U << (1U << n);
+  for (const GreyRun& run : source_->greys()) {
+    const std::uint32_t begin = run.pixel % out.columns();
+    fill(out, run.pixel / out.columns(), begin, begin + run.count, (white >> share_of(run.level, n) & 1U) != 0);
+  }
+}
+
+Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, std::chrono::nanoseconds lit, BitImage out,
+                                         GreyRuns& greys) {
   using HostClock = std::chrono::steady_clock;
   MaskFacts facts;
   const auto start = HostClock::now();
-  const auto mask = source_->mask(layer);
-  PLUMBLINE_TRY(mask);
+  if (layer_ != layer) PLUMBLINE_TRY(make(layer));
   const auto made = HostClock::now();
-  std::copy(mask->words().begin(), mask->words().end(), out.words().begin());
+  std::ranges::copy(mask_.words(), out.words().begin());
   const auto copied = HostClock::now();
-  facts.making = made - start;
-  facts.copying = copied - made;
-  const std::uint32_t steps =
-      foot_of(plan_).steps(layer, static_cast<double>(grid().pitch_x_mm), static_cast<double>(grid().pitch_y_mm));
-  if (steps > 0) {
-    erode(out, steps, rows_);
-    facts.making += HostClock::now() - copied;
-  } else if (greys != nullptr) {
-    for (const GreyRun& run : source_->greys()) greys->add(run);
+  const LayerExposures exposures = exposures_of(plan_, layer, needs_);
+  facts.exposure = exposures.at(lit);
+  const LayerExposure& shown = exposures.all()[facts.exposure];
+  facts.is_last = facts.exposure + 1 == exposures.count();
+  facts.begin = exposures.begin(facts.exposure);
+  facts.end = facts.begin + shown.time;
+  const std::uint32_t n = grey_exposures_of(plan_, layer);
+  if (shown.inside) {
+    erode(out, foot_steps_, rows_);
+  } else if (n > 0) {
+    show_shares(shown, n, out);
+  } else {
+    for (const GreyRun& run : source_->greys()) greys.add(run);
   }
-  facts.hash = mask_hash(out, greys != nullptr ? greys->runs() : std::span<const GreyRun>());
-  facts.pixels = ConstBitImage(out).count() * plan_.steps.of(layer).step;
+  facts.making = made - start + (HostClock::now() - copied);
+  facts.copying = copied - made;
+  facts.hash = hash_;
+  facts.pixels = pixels_;
   return facts;
 }
 

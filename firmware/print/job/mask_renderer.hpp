@@ -1,10 +1,12 @@
 #pragma once
-/// Draws the masks of a print into the panel's buffer, with the bottom layers' outlines moved inwards against elephant's foot.
+/// Draws the masks of a print into the panel's buffer, one for each exposure of a layer.
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 
+#include "firmware/print/job/layer_exposures.hpp"
 #include "firmware/print/job/mask_source.hpp"
 #include "firmware/print/job/print_plan.hpp"
 #include "slicer/core/arena.hpp"
@@ -14,9 +16,13 @@ namespace plumbline::firmware {
 
 /// One mask's facts. Times are the processor's: the machine's clock may be virtual.
 struct MaskFacts {
-  std::uint64_t hash = 0;    ///< mask_hash()
-  std::uint64_t pixels = 0;  ///< that let light through, times the layer's height in parts of PrintPlan::layer_height
-  std::chrono::nanoseconds making{};   ///< in its source, and eroding
+  std::uint64_t hash = 0;              ///< mask_hash() of the layer's own mask, with its greys
+  std::uint64_t pixels = 0;  ///< of that one which let light through, times the layer's height in parts of PrintPlan::layer_height
+  std::uint32_t exposure = 0;          ///< of the layer's, from 0
+  bool is_last = true;                 ///< exposure of the layer
+  std::chrono::nanoseconds begin{};    ///< light that the layer has had when the exposure begins,
+  std::chrono::nanoseconds end{};      ///< and ends
+  std::chrono::nanoseconds making{};   ///< in its source, and of what differs from the layer's own
   std::chrono::nanoseconds copying{};  ///< into the panel's buffer
 };
 
@@ -31,20 +37,32 @@ class MaskRenderer {
 
   const PrintGrid& grid() const { return source_->grid(); }
 
-  /// Draws the mask of a layer. Layers in ascending order cost least.
+  /// Draws the mask that a layer needs when it has had `lit` of its light. Layers in ascending order cost least; the masks of one layer cost
+  /// its source nothing but the first time, if it gives nobody else a mask meanwhile.
   /// @param out    of the grid's columns and rows; every word is written
-  /// @param greys  null, or empty: gets the grey pixels of the mask, whose bits in `out` follow their levels. A layer whose outline is moved
-  ///               inwards has none
+  /// @param greys  empty: gets the grey pixels of the mask, whose bits in `out` follow their levels. None if it has no room
   /// @retval any error of the source
-  [[nodiscard]] Expected<MaskFacts> render(std::uint32_t layer, BitImage out, GreyRuns* greys = nullptr);
+  [[nodiscard]] Expected<MaskFacts> render(std::uint32_t layer, std::chrono::nanoseconds lit, BitImage out,
+                                           GreyRuns& greys);
+
+  /// The layer's own mask, whose bits follow the levels of grey pixels. @pre render() has drawn one of its masks last
+  ConstBitImage mask() const { return mask_; }
 
  private:
   MaskRenderer(MaskSource& source, const PrintPlan& plan, std::span<std::uint64_t> rows)
       : source_(&source), plan_(plan), rows_(rows) {}
 
+  Status make(std::uint32_t layer);
+  void show_shares(const LayerExposure& exposure, std::uint32_t n, BitImage out) const;
+
   MaskSource* source_;
   PrintPlan plan_;
-  std::span<std::uint64_t> rows_;  ///< three rows of scratch
+  std::span<std::uint64_t> rows_;       ///< three rows of scratch
+  std::optional<std::uint32_t> layer_;  ///< that was made last; and of it:
+  ConstBitImage mask_;
+  MaskNeeds needs_;
+  std::uint32_t foot_steps_ = 0;
+  std::uint64_t hash_ = 0, pixels_ = 0;
 };
 
 /// Takes `steps` pixels off the outline. Odd and even steps test 4 and 8 neighbours, so that what is removed is nearly a disc.

@@ -5,9 +5,11 @@
 
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/messages/printer_code.hpp"
+#include "firmware/print/job/layer_exposures.hpp"
 #include "firmware/print/job/plan_check.hpp"
 #include "hal/ramp.hpp"
 #include "hal/z_stage.hpp"
+#include "slicer/core/resin/bottom_fade.hpp"
 #include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline::firmware {
@@ -133,11 +135,16 @@ nanoseconds lowering_time(const PrintPlan& plan, ZPosition from, std::uint32_t l
          move_time(plan, down[0].target - down[1].target, down[1].speed);
 }
 
+/// For the panel: a change to each mask that the layer may need, and to black.
+nanoseconds changing_time(const PrintPlan& plan, std::uint32_t layer) {
+  return plan.mask_change * (most_exposures_of(plan, layer).count() + 1);
+}
+
 /// Of a layer, from the rest before its exposure to the wait after its lift.
 nanoseconds curing_time(const PrintPlan& plan, std::uint32_t layer) {
-  return plan.rest_before_exposure + plan.mask_change + exposure_of(plan, layer) + plan.mask_change +
-         plan.rest_after_exposure + move_time(plan, plan.lift, plan.lift_speed) +
-         move_time(plan, plan.lift2, plan.lift_speed2) + plan.wait_after_lift;
+  return plan.rest_before_exposure + exposure_of(plan, layer) + changing_time(plan, layer) + plan.rest_after_exposure +
+         move_time(plan, plan.lift, plan.lift_speed) + move_time(plan, plan.lift2, plan.lift_speed2) +
+         plan.wait_after_lift;
 }
 
 }  // namespace
@@ -171,12 +178,15 @@ Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& m
   plan.retract_speed2 = mm_per_min(profile.retract_speed2);
   plan.pause_lift = Distance::millimetres(profile.pause_lift_height);
   plan.grey = grey_model(profile, machine);
+  if (plan.grey.is_known()) plan.grey_exposures = machine.panel.grey.exposures;
   plan.elephant_foot = Distance::millimetres(profile.elefant_foot_compensation);
   plan.highest = ZPosition(Distance::millimetres(machine.end_stop_height_mm - kEndStopClearanceMm));
   plan.fastest = mm_per_min(machine.max_speed_mm_min);
   plan.acceleration = Acceleration(machine.max_acceleration_mm_s2);
   constexpr double kFrame = 1.0 / 60;  // panels are scanned out 60 times a second
   plan.mask_change = seconds(kFrame + machine.refresh_delay_ms / 1000);
+  // The shortest exposure of a profile, and of a lamp that is slow to warm up one of which its warm-up is a tenth.
+  plan.least_exposure = std::max(seconds(0.1), seconds(machine.warm_up_ms / 100));
   PLUMBLINE_TRY(check_height(plan));
   PLUMBLINE_TRY(check_light(plan, profile, machine));
   PLUMBLINE_TRY(check_plan(plan, profile.archive.empty() ? profile.name : profile.archive, machine));
@@ -214,10 +224,6 @@ StageMove pause_above(const PrintPlan& plan, std::uint32_t layer) {
   return {std::min(height_of(plan, layer) + plan.pause_lift, plan.highest), plan.lift_speed2};
 }
 
-FootShrink foot_of(const PrintPlan& plan) {
-  return {plan.elephant_foot.millimetres(), plan.bottom_layers, plan.faded_layers};
-}
-
 nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer) {
   // The way down starts where the lift of the layer below ended. time_to_end() adds the first layer's way from the top.
   const nanoseconds down = layer > 0 ? lowering_time(plan, lift_from(plan, layer - 1)[1].target, layer) : nanoseconds();
@@ -238,7 +244,7 @@ nanoseconds most_light_in_a_minute(const PrintPlan& plan) {
       const nanoseconds exposure = exposure_of(plan, layer);
       light += std::min(exposure, left);
       // Without the exposure a layer's time is the time in the dark since the layer below.
-      left -= layer_time(plan, layer) - 2 * plan.mask_change;
+      left -= layer_time(plan, layer) - changing_time(plan, layer);
       if (layer == 0 || left <= nanoseconds::zero()) break;
     }
     most = std::max(most, light);
@@ -271,6 +277,7 @@ nanoseconds time_to_end(const PrintPlan& plan, ZPosition from, std::uint32_t fir
   ZPosition at = from;
   if (first < plan.layers) {
     time += lowering_time(plan, from, first) + curing_time(plan, first) - lit + remaining_time(plan, first + 1);
+    time -= plan.mask_change * most_exposures_of(plan, first).at(lit);  // for masks that have had their light
     at = lift_from(plan, plan.layers - 1)[1].target;
   }
   return time + move_time(plan, plan.highest - at, plan.fastest) + homing_time(plan, plan.highest);

@@ -20,7 +20,6 @@
 #include "hal/units.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/resin/cure_model.hpp"
-#include "slicer/core/resin/foot_shrink.hpp"
 #include "slicer/core/resin/layer_steps.hpp"
 
 namespace plumbline::firmware {
@@ -52,13 +51,16 @@ struct PrintPlan {
   Distance retract2;
   Speed retract_speed, retract_speed2;
   Distance pause_lift;
-  Distance elephant_foot;
-  CureModel grey;  ///< known if undersides get grey pixels
+  Distance elephant_foot;  ///< width of the outline that gets no more light in bottom and faded layers than in others
+  CureModel grey;          ///< known if undersides get grey pixels
+  std::uint32_t grey_exposures =
+      0;  ///< that a layer with grey pixels may take beyond one (GreyScale::exposures); 0 if none has any
   // Of the machine:
   ZPosition highest;  ///< that any move goes
   Speed fastest;      ///< down to the first layer, and up from the last
   Acceleration acceleration;
-  nanoseconds mask_change{};  ///< from presenting a mask until it has settled, estimated
+  nanoseconds mask_change{};     ///< from presenting a mask until it has settled, estimated
+  nanoseconds least_exposure{};  ///< shorter ones are not asked of the lamp where a layer has several
 };
 
 /// @param layers  of the R-Rep or the archive, 1 to PrintGrid::kMaxLayers
@@ -80,6 +82,8 @@ struct PrintPlan {
 ///
 /// times dose_factor() of its height in an adaptive print
 nanoseconds exposure_of(const PrintPlan& plan, std::uint32_t layer);
+/// What a layer of its height gets above the faded ones.
+nanoseconds normal_exposure_of(const PrintPlan& plan, std::uint32_t layer);
 
 /// Height at which a layer is cured.
 ZPosition height_of(const PrintPlan& plan, std::uint32_t layer);
@@ -94,9 +98,6 @@ TwoStageMove retract_to(const PrintPlan& plan, std::uint32_t layer);
 
 /// Where a pause holds the part: pause_lift above the layer, or as far as the travel goes.
 StageMove pause_above(const PrintPlan& plan, std::uint32_t layer);
-
-/// How far the layers' outlines are drawn in: in full on the bottom layers, then fading to 0 with the exposure.
-FootShrink foot_of(const PrintPlan& plan);
 
 /// Time from the start of a layer's retract to the end of its lift.
 nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer);

@@ -64,12 +64,15 @@ class PrintJob {
   Status home();
   void confirm_journal();
   Status print_layer();
-  Status render(std::uint32_t layer);
+  bool is_ready(std::uint32_t layer) const;
+  Status render(std::uint32_t layer, nanoseconds lit);
   bool needs_resin() const;
   void ask_for_resin();
   void note_use();
   Expected<LayerFinding> look_at_machine(bool waits);
+  Expected<bool> cure_layer();
   Expected<bool> expose(const MaskFacts& shown);
+  Status render_next(const MaskFacts& shown, const Exposure& exposure);
   Status layer_cured(const MaskFacts& shown);
   void record(const ExposureReport& exposure, const MaskFacts& shown);
   Status write_journal();
@@ -344,9 +347,9 @@ Status PrintJob::print_layer() {
     apply(PrintEvent::kTooHot);
     return {};
   }
-  if (!ready_ || ready_->layer != layer) {
-    PLUMBLINE_TRY(render(layer));
-    observer_.mask_made(layer, ready_->buffer.image());
+  if (!is_ready(layer)) {
+    PLUMBLINE_TRY(render(layer, entry_.lit));
+    observer_.mask_made(layer, masks_.mask());
   }
   if (needs_resin()) {
     ask_for_resin();
@@ -365,9 +368,7 @@ Status PrintJob::print_layer() {
     apply_pending();
     return {};
   }
-  PLUMBLINE_TRY(machine_.mask.present(std::move(ready_->buffer)));
-  ready_.reset();
-  const auto cured = expose(shown);
+  const auto cured = cure_layer();
   PLUMBLINE_TRY(cured);
   PLUMBLINE_TRY(machine_.mask.blank());
   if (!*cured) {
@@ -389,11 +390,19 @@ Status PrintJob::print_layer() {
   return {};
 }
 
-Status PrintJob::render(std::uint32_t layer) {
+/// Whether the mask is ready that a layer needs now.
+bool PrintJob::is_ready(std::uint32_t layer) const {
+  if (!ready_ || ready_->layer != layer) return false;
+  const MaskFacts& facts = ready_->facts;
+  return facts.begin <= entry_.lit && (entry_.lit < facts.end || facts.is_last);
+}
+
+/// @param lit  light that the layer will have had by then
+Status PrintJob::render(std::uint32_t layer, nanoseconds lit) {
   ready_.reset();
   auto buffer = machine_.mask.lend();
   PLUMBLINE_TRY(buffer);
-  const auto facts = masks_.render(layer, buffer->image(), &buffer->greys());
+  const auto facts = masks_.render(layer, lit, buffer->image(), buffer->greys());
   PLUMBLINE_TRY(facts);
   ready_.emplace(ReadyMask{layer, *facts, std::move(*buffer)});
   return {};
@@ -430,10 +439,24 @@ void PrintJob::note_use() {
                 .lamp = entry_.lamp});
 }
 
-/// @returns false: interrupted before the layer had all its light
-Expected<bool> PrintJob::expose(const MaskFacts& shown) {
+/// Shows the masks that the layer lacks, one after another. @returns false: interrupted before it had all its light
+Expected<bool> PrintJob::cure_layer() {
   const std::uint32_t layer = entry_.next_layer;
-  const nanoseconds cure = exposure_of(plan_, layer) - entry_.lit;
+  for (;;) {
+    if (!is_ready(layer)) PLUMBLINE_TRY(render(layer, entry_.lit));
+    const MaskFacts shown = ready_->facts;
+    PLUMBLINE_TRY(machine_.mask.present(std::move(ready_->buffer)));
+    ready_.reset();
+    const auto exposed = expose(shown);
+    PLUMBLINE_TRY(exposed);
+    if (!*exposed || shown.is_last) return exposed;
+    if (watch_.interrupted()) return false;
+  }
+}
+
+/// Gives a mask the rest of its light. @returns false: interrupted before it had it
+Expected<bool> PrintJob::expose(const MaskFacts& shown) {
+  const nanoseconds cure = shown.end - entry_.lit;
   if (cure <= nanoseconds::zero()) return true;
   auto exposure = machine_.lamp.begin_exposure(cure);
   if (!exposure && exposure.error().code() == ErrorCode::kCoverOpen) {
@@ -442,26 +465,31 @@ Expected<bool> PrintJob::expose(const MaskFacts& shown) {
   }
   PLUMBLINE_TRY(exposure);
   at_hand_lit_ = true;
-  slack_.reset();
-  if (layer + 1 < plan_.layers) {
-    const auto rendered = render(layer + 1);
-    if (!rendered && !is_of_mask(rendered.error().code())) return tl::unexpected<Error>(rendered.error());
-    if (rendered) {
-      slack_ = exposure->ends_by() - machine_.clock.now();
-      if (*slack_ < nanoseconds::zero()) ++report_.late_masks;
-      if (*slack_ > kTimeToLook) observer_.mask_made(layer + 1, ready_->buffer.image());
-    }
-  }
+  PLUMBLINE_TRY(render_next(shown, *exposure));
   PLUMBLINE_TRY(watch_.wait_for(*exposure));
   const auto report = exposure->finish();
   PLUMBLINE_TRY(report);
-  entry_.lit += report->lit;
+  // What is measured of a whole exposure is not exact, and the next one begins where this was to end.
+  entry_.lit = report->end == ExposureEnd::kTimeUp ? shown.end : entry_.lit + report->lit;
   entry_.lamp += report->lit;
   record(*report, shown);
   if (state_ != PrintState::kPrinting) return false;
   // The lamp goes dark before the cover's event arrives, which may still be in the queue.
   if (report->end == ExposureEnd::kCoverOpened) watch_.request(Request::kCoverOpened);
   return report->end == ExposureEnd::kTimeUp;
+}
+
+/// Renders the mask that follows, while this one cures.
+Status PrintJob::render_next(const MaskFacts& shown, const Exposure& exposure) {
+  slack_.reset();
+  const std::uint32_t layer = shown.is_last ? entry_.next_layer + 1 : entry_.next_layer;
+  if (layer == plan_.layers) return {};
+  const auto rendered = render(layer, shown.is_last ? nanoseconds() : shown.end);
+  if (!rendered) return is_of_mask(rendered.error().code()) ? Status() : rendered;
+  slack_ = exposure.ends_by() - machine_.clock.now();
+  if (*slack_ < nanoseconds::zero()) ++report_.late_masks;
+  if (shown.is_last && *slack_ > kTimeToLook) observer_.mask_made(layer, masks_.mask());
+  return {};
 }
 
 /// Writes the layer to the journal before the lift, so that a power cut never cures it again in the wrong place.
@@ -486,6 +514,7 @@ Status PrintJob::layer_cured(const MaskFacts& shown) {
 void PrintJob::record(const ExposureReport& exposure, const MaskFacts& shown) {
   const Dose expected = dose_of(machine_.lamp.limits().irradiance, exposure.lit);
   report_.add({.layer = entry_.next_layer,
+               .exposure = shown.exposure,
                .end = exposure.end,
                .source = exposure.source,
                .asked = exposure.asked,

@@ -1,9 +1,11 @@
 #pragma once
 /// A print from the checks to the raised part, on the devices of a Machine:
 ///
-///     checks -> home -> [ lower -> rest -> show mask -> expose -> blank -> journal -> rest -> lift ] for each layer -> raise
+///     checks -> home -> [ lower -> rest -> ( show mask -> expose ) for each exposure -> blank -> journal -> rest -> lift ] for each layer
+///     -> raise
 ///
-/// The mask of layer k + 1 is rendered while layer k cures. Whatever ends an exposure, the lamp is dark before anything moves.
+/// The next mask, of the layer's next exposure (LayerExposures) or of layer k + 1, is rendered while layer k cures. Whatever ends an exposure,
+/// the lamp is dark before anything moves or the mask changes. An exposure that was interrupted goes on where it stopped.
 
 #include <optional>
 #include <span>

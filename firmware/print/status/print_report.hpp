@@ -52,6 +52,7 @@ struct CheckResult {
 /// One exposure, and the next mask, which was rendered meanwhile.
 struct ExposureLine {
   std::uint32_t layer = 0;
+  std::uint32_t exposure = 0;  ///< of the layer's, from 0; one that was interrupted has several lines
   ExposureEnd end = ExposureEnd::kTimeUp;
   DoseSource source = DoseSource::kComputed;
   nanoseconds asked{};

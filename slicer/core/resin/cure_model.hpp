@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "slicer/core/resin/foot_shrink.hpp"
+#include "slicer/core/resin/bottom_fade.hpp"
 #include "slicer/core/resin/layer_steps.hpp"
 
 namespace plumbline::inline slicer {

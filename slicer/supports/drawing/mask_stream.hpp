@@ -33,12 +33,6 @@ class MaskStream {
   /// @returns a view, valid until the next call
   ConstBitImage mask(std::uint32_t layer);
 
-  /// As LayerStream::draw_on_mask().
-  template <class Draw>
-  void draw_on_mask(Draw draw) {
-    layers_.draw_on_mask(draw);
-  }
-
   /// Of the last mask, before opening, closing and supports.
   ConstBitImage section() const { return layers_.section(); }
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "slicer/core/resin/foot_shrink.hpp"
+#include "slicer/core/resin/bottom_fade.hpp"
 
 namespace plumbline::firmware {
 namespace {

@@ -56,10 +56,6 @@ class OfferedArchiveTest : public ChildTest {
     EXPECT_EQ(run(child_, request, path), 0);
     sliced_ = check_archive_answer(child_.answer(), request, arena_).value();
     file_ = Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    const auto machine = *read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value().machine;
-    auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
-    profile.elefant_foot_compensation = 0;
-    plan_ = plan_print(profile, machine, 0.05, kLayers).value();
   }
 
   void write_archive(const std::string& path) const {
@@ -84,7 +80,7 @@ class OfferedArchiveTest : public ChildTest {
   }
 
   std::unique_ptr<OfferedArchiveMasks> offer() {
-    auto made = OfferedArchiveMasks::create(file_.get(), "part.sl1", sliced_, plan_, decoder_, true, arena_);
+    auto made = OfferedArchiveMasks::create(file_.get(), "part.sl1", sliced_, decoder_, true, arena_);
     EXPECT_TRUE(made) << made.error().message();
     return std::move(*made);
   }
@@ -113,7 +109,6 @@ class OfferedArchiveTest : public ChildTest {
   ChildLayerDecoder decoder_{child_, small_printer()};
   SlicedArchive sliced_;
   Descriptor file_;
-  PrintPlan plan_;
   std::unique_ptr<LayerPicture> picture_ = std::make_unique<LayerPicture>();
 };
 

@@ -233,7 +233,7 @@ class WrittenArchive(Program):
                 ("slice", self.scan, "-o", self.dir / "new"), ("print", self.scan))]  # fmt: skip
 
         for said in refused("--printer", black_and_white):
-            self.assertIn("bw.toml shows black and white only. Leave it out, or give [panel] grey_levels", said)
+            self.assertIn("bw.toml shows black and white only. Leave it out, or give [panel] grey_exposures", said)
         profile.write_text(standard.replace("exchange = 0.0", ""))
         for said in refused("--printer", board):
             self.assertIn("the profile mine has no exchange in [resin], which says what light cures. Add it, or leave out --grey", said)

@@ -226,22 +226,70 @@ class Print(Program):
         done = self.run_it("print", "--resume", "--state", state, "--printer", SIM2K, status=1)
         self.assertIn("no interrupted print", done.stderr)
 
-    def test_what_falls_for_a_foot_that_is_shrunk_is_foretold(self):
-        # A block, and beside it one of 4 mm on a foot of 1 mm, whose bottom layers lose 0.6 mm on each side.
-        mesh, profile, report = self.dir / "part.stl", self.dir / "mine.toml", self.dir / "report.json"
-        boxes = box((8, 0, 0), (12, 4, 3)) + box((1.5, 1.5, 0), (2.5, 2.5, 1.5)) + box((0, 0, 1.5), (4, 4, 3))
-        mesh.write_text(f"solid part\n{boxes}endsolid part\n")
+    def measured(self, mesh, name, printer, *more):
+        """What a print of a mesh deviates from it, and its report."""
+        report = self.dir / f"{name}.json"
+        self.run_it("print", mesh, "--printer", printer, "--supports", "none", "--truth", mesh, "--report", report, "--quiet", *more)
+        printed = json.loads(report.read_text())
+        self.assertEqual((printed["state"], printed["objections"], printed["late_masks"]), ("finished", [], 0))
+        return printed["part"]["deviation_um"], printed
+
+    def test_an_outline_of_the_bottom_layers_gets_no_more_light_than_others(self):
+        # A block whose bottom layers get 30 s; one that stands on a foot of 1 mm beside it loses nothing.
+        mesh, profile = self.dir / "part.stl", self.dir / "mine.toml"
+        boxes = box((8, 0, 0), (12, 4, 1.5)) + box((1.5, 1.5, 0), (2.5, 2.5, 1)) + box((0, 0, 1), (4, 4, 1.5))
+        mesh.write_text(f"solid part\n{box((0, 0, 0), (6, 6, 1.2))}endsolid part\n")
         text = (SOURCE_DIR / "board/profiles/standard.toml").read_text()
-        lost = []
-        for foot in ("0.0", "0.6"):
+        spread, exposures = {}, {}
+        for foot in ("0.0", "0.1", "0.6"):
             profile.write_text(text.replace("elefant_foot_compensation = 0.0", f"elefant_foot_compensation = {foot}"))
-            self.run_it("print", mesh, "--printer", SIM2K, "--profile", profile, "--supports", "none", "--layer-height", 0.1, "--accept",
-                        "--quiet", "--report", report)  # fmt: skip
-            printed = json.loads(report.read_text())
-            lost.append(sum(loss["ml"] for loss in printed["part"]["lost"]))
-            self.assertAlmostEqual(printed["issues"]["falls_ml"] + printed["issues"]["torn_ml"], lost[-1], places=5)
-        self.assertEqual(lost[0], 0)
-        self.assertGreater(lost[1], 0.02)
+            deviation, printed = self.measured(mesh, foot, SIM2K, "--profile", profile)
+            spread[foot], exposures[foot] = deviation["wall_rms"], printed["exposures"]
+        self.assertGreater(spread["0.0"], 12)
+        self.assertLess(spread["0.1"], 6)
+        self.assertLess(spread["0.6"], 6)
+        self.assertEqual([(one["layer"], one["exposure"], one["asked_s"]) for one in exposures["0.1"][:4]],
+                         [(0, 0, 2.5), (0, 1, 27.5), (1, 0, 2.5), (1, 1, 27.5)])  # fmt: skip
+        self.assertEqual(len(exposures["0.1"]), len(exposures["0.0"]) + 13)
+        self.assertEqual({one["mask_hash"] for one in exposures["0.1"]}, {one["mask_hash"] for one in exposures["0.0"]})
+        mesh.write_text(f"solid part\n{boxes}endsolid part\n")
+        _, printed = self.measured(mesh, "small", SIM2K, "--profile", profile, "--accept")
+        self.assertEqual((printed["part"]["lost"], printed["issues"]["falls_ml"], printed["issues"]["torn_ml"]), ([], 0, 0))
+
+    def test_exposures_of_a_panel_of_black_and_white_cure_grey_as_a_grey_panel_does(self):
+        # A beam whose underside rises by 2.5 mm over 8.
+        mesh = self.dir / "part.stl"
+        profile = ((0, 0), (4, 0), (4, 1.5), (12, 4), (12, 5.5), (0, 5.5))
+        facets = []
+        for corners in ((0, 1, 2), (0, 2, 5), (2, 3, 4), (2, 4, 5)):
+            side = [profile[i] for i in corners]
+            facets += [[(x, 0, z) for x, z in side], [(x, 6, z) for x, z in reversed(side)]]
+        for (x, z), (u, w) in zip(profile, profile[1:] + profile[:1]):
+            facets += [[(x, 0, z), (x, 6, z), (u, 6, w)], [(x, 0, z), (u, 6, w), (u, 0, w)]]
+        lines = ["facet normal 0 0 0\nouter loop\n" + "".join("vertex {} {} {}\n".format(*v) for v in facet) + "endloop\nendfacet\n"
+                 for facet in facets]  # fmt: skip
+        mesh.write_text("solid part\n" + "".join(lines) + "endsolid part\n")
+        text = SIM2K.read_text()
+        found, times = {}, {}
+        for name, key in (("levels", "grey_exposures = 0"), ("bits", "grey_exposures = 3"), ("none", "grey_exposures = 0")):
+            board = self.dir / f"{name}.toml"
+            board.write_text(text.replace('name = "sim2k"', f'name = "{name}"').replace("grey_exposures = 0", key)
+                             .replace("grey_levels = 256", f"grey_levels = {256 if name == 'levels' else 2}"))  # fmt: skip
+            standard = SOURCE_DIR / "board/profiles/standard.toml"
+            grey = () if name == "none" else ("--grey", "vertical")
+            found[name], printed = self.measured(mesh, name, board, "--profile", standard, *grey)
+            times[name] = printed["elapsed_s"]
+            exposures = printed["exposures"]
+            asked = 5 * 30 + 8 * 16.25 + (printed["layers"] - 13) * 2.5
+            self.assertAlmostEqual(sum(one["asked_s"] for one in exposures), asked, places=3)
+            if name == "bits":
+                self.assertTrue(1.5 * printed["layers"] < len(exposures) < 4 * printed["layers"])
+            else:
+                self.assertEqual(len(exposures), printed["layers"])
+        for figure in ("rms", "down_mean", "down_rms", "wall_mean"):
+            self.assertAlmostEqual(found["bits"][figure], found["levels"][figure], delta=0.5)
+        self.assertGreater(found["none"]["down_rms"], found["bits"]["down_rms"] + 1)
+        self.assertLess(times["bits"] - times["levels"], 0.11 * printed["layers"])
 
     def test_supports_come_from_the_profile_by_default(self):
         write_sphere(self.scan)

@@ -137,7 +137,7 @@ TEST(BoardFile, RefusesAnUnknownKeyAndNamesTheNearest) {
   EXPECT_EQ(refusal(good_with("columns = 1440", "colums = 1440")),
             "b.toml:4: [panel] colums: unknown key; the nearest known one is columns. Allowed are columns, rows, "
             "pixel_pitch_x_mm, pixel_pitch_y_mm, packing, mirror, rotation_deg, refresh_delay_ms, grey_levels, "
-            "grey_gamma");
+            "grey_gamma, grey_exposures");
   EXPECT_THAT(refusal(good_with("pixel_pitch_y_mm", "pixel_pitch_mm_y")), HasSubstr("is pixel_pitch_"));
   EXPECT_THAT(refusal(good_with("rows = 2560", "rows = 2560\nflip = true")),
               StartsWith("b.toml:6: [panel] flip: unknown key;"));
@@ -237,6 +237,21 @@ TEST(BoardFile, ShowsNoGreyUnlessItSaysSo) {
   EXPECT_TRUE(sixteen->machine->panel.grey.has_grey());
   EXPECT_THAT(refusal(sim2k_with("grey_levels = 256", "grey_levels = 1")), HasSubstr("found an integer 1, allowed is"));
   EXPECT_THAT(refusal(sim2k_with("grey_gamma = 1.0", "grey_gamma = 0")), HasSubstr("[panel] grey_gamma: found"));
+}
+
+TEST(BoardFile, ShowsGreyByExposuresOnAPanelOfBlackAndWhiteOnly) {
+  const auto text_of = [](const std::string& levels, const std::string& exposures) {
+    const std::string key = "grey_exposures = ";
+    std::string text = sim2k_with("grey_levels = 256", "grey_levels = " + levels);
+    return text.replace(text.find(key + "0"), key.size() + 1, key + exposures);
+  };
+  const auto board = parse_board_file(text_of("2", "3"), "b.toml");
+  ASSERT_TRUE(board) << board.error().message();
+  const GreyScale& grey = board->machine->panel.grey;
+  EXPECT_TRUE(grey.has_grey() && !grey.has_levels() && grey.exposures == 3);
+  EXPECT_THAT(refusal(text_of("4", "3")),
+              HasSubstr("[panel] grey_exposures: found an integer 3, allowed is 0 with grey_levels above 2"));
+  EXPECT_THAT(refusal(text_of("2", "5")), HasSubstr("found an integer 5, allowed"));
 }
 
 TEST(BoardFile, RefusesWordsAndNumbersThatAreNotAChoice) {

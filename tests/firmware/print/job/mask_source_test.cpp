@@ -8,6 +8,7 @@
 
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/print/job/mask_renderer.hpp"
+#include "slicer/core/bit_spans.hpp"
 
 namespace plumbline::firmware {
 namespace {
@@ -84,20 +85,90 @@ TEST(MaskRenderer, GivesThePanelTheGreysOfItsSource) {
   ASSERT_TRUE(renderer);
   std::vector<GreyRun> room(4);
   GreyRuns greys(room, 64);
-  const auto facts = renderer->render(0, image, &greys);
+  const auto facts = renderer->render(0, {}, image, greys);
   ASSERT_TRUE(facts) << facts.error().message();
   EXPECT_THAT(greys.runs(), ::testing::ElementsAre(run));
   EXPECT_EQ(facts->hash, hash);
   EXPECT_EQ(facts->pixels, 1U);
-  // Where the outline of a layer is moved inwards its greys are no longer at the edge.
-  plan.elephant_foot = Distance::millimetres(0.05);
+}
+
+/// A square with a grey rim, which counts how often it is asked for.
+class GreySquare final : public MaskSource {
+ public:
+  GreySquare() {
+    grid_.columns = 64;
+    grid_.rows = 32;
+    grid_.layers = 3;
+    grid_.pitch_x_mm = grid_.pitch_y_mm = grid_.layer_height_mm = 0.05F;
+    words_.resize(BitImage::words_needed(64, 32));
+    for (std::uint32_t row = 4; row < 28; ++row) {
+      fill(image(), row, 10, 50, true);
+      for (std::uint32_t k = 0; k < 8; ++k) {
+        runs_.push_back({64 * row + 50 + k, 1, static_cast<std::uint8_t>(255 * (k + 0.5) / 8)});
+      }
+    }
+    set_bits(runs_, image());
+  }
+  const PrintGrid& grid() const override { return grid_; }
+  Expected<ConstBitImage> mask(std::uint32_t /*layer*/) override {
+    ++asked;
+    return ConstBitImage(image());
+  }
+  std::span<const GreyRun> greys() const override { return runs_; }
+  BitImage image() { return {words_, 64, 32}; }
+
+  int asked = 0;
+
+ private:
+  PrintGrid grid_;
+  std::vector<std::uint64_t> words_;
+  std::vector<GreyRun> runs_;
+};
+
+TEST(MaskRenderer, DrawsTheMaskOfEachExposure) {
+  GreySquare source;
+  std::vector<std::byte> block(1 << 16U);
+  Arena arena{std::span(block)};
+  PrintPlan plan;
+  plan.layers = 3;
+  plan.exposure = std::chrono::milliseconds(800);
+  plan.initial_exposure = std::chrono::seconds(5);
   plan.bottom_layers = 1;
-  auto smaller = MaskRenderer::create(*masks, plan, arena);
-  ASSERT_TRUE(smaller);
-  greys.clear();
-  ASSERT_TRUE(smaller->render(0, image, &greys));
-  EXPECT_TRUE(greys.empty());
-  EXPECT_EQ(ConstBitImage(image).count(), 0U);
+  plan.elephant_foot = Distance::millimetres(0.1);
+  plan.grey_exposures = 3;
+  auto renderer = MaskRenderer::create(source, plan, arena);
+  ASSERT_TRUE(renderer);
+  std::vector<std::uint64_t> words(BitImage::words_needed(64, 32));
+  const BitImage image(words, 64, 32);
+  GreyRuns none;
+  for (const std::uint32_t layer : {0U, 1U}) {
+    std::vector<std::chrono::nanoseconds> light(64 * 32);
+    std::chrono::nanoseconds lit{};
+    for (std::uint32_t exposure = 0;; ++exposure) {
+      const auto facts = renderer->render(layer, lit, image, none);
+      ASSERT_TRUE(facts);
+      EXPECT_EQ(facts->exposure, exposure);
+      EXPECT_EQ(facts->begin, lit);
+      EXPECT_EQ(facts->hash, mask_hash(source.image(), source.greys())) << "the layer's own";
+      EXPECT_EQ(facts->pixels, ConstBitImage(source.image()).count());
+      EXPECT_TRUE(std::ranges::equal(renderer->mask().words(), source.image().words()));
+      for (std::uint32_t pixel = 0; pixel < light.size(); ++pixel) {
+        if (image.at(pixel % 64, pixel / 64)) light[pixel] += facts->end - lit;
+      }
+      lit = facts->end;
+      if (facts->is_last) break;
+    }
+    EXPECT_EQ(lit, exposure_of(plan, layer));
+    const auto of = [&](std::uint32_t column, std::uint32_t row) { return light[64 * row + column]; };
+    EXPECT_EQ(of(30, 15), exposure_of(plan, layer)) << "white, and within the outline";
+    EXPECT_EQ(of(10, 15), plan.exposure) << "the outline";
+    EXPECT_EQ(of(9, 15), std::chrono::nanoseconds());
+    for (const GreyRun& run : source.greys().first(8)) {
+      if (layer == 0) continue;
+      EXPECT_EQ(of(run.pixel % 64, 4), plan.exposure * share_of(run.level, 3) / 8) << +run.level;
+    }
+  }
+  EXPECT_EQ(source.asked, 2) << "once a layer";
 }
 
 }  // namespace

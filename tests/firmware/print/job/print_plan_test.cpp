@@ -136,17 +136,6 @@ TEST(PrintPlan, PrintTimeIsTheSumOfItsLayersAndTheMovesDownAndUp) {
   EXPECT_NEAR(seconds(print_time(p) - sum), down + move(174 - 17, 300) + home, 1e-6);
 }
 
-TEST(PrintPlan, FadesTheElephantFootWithTheExposure) {
-  auto settings = profile();
-  settings.elefant_foot_compensation = 0.18;
-  const auto p = plan_print(settings, machine(), 0.05, 100).value();
-  const auto pixels = [&](std::uint32_t layer) { return foot_of(p).steps(layer, 0.002, 0.002); };
-  EXPECT_EQ(pixels(0), 90U);
-  EXPECT_EQ(pixels(4), 90U);
-  EXPECT_EQ(pixels(5), 80U) << "180 um (1 - 1/9)";
-  EXPECT_EQ(pixels(13), 0U);
-}
-
 /// Most light in any minute by brute force, from the times of all exposures.
 nanoseconds most_light_by_brute_force(const PrintPlan& plan) {
   std::vector<std::pair<nanoseconds, nanoseconds>> lit;
