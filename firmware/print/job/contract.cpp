@@ -110,7 +110,8 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
   contract.first_cure_depth = cure_depth(profile, light, plan->initial_exposure);
   contract.is_archive = subject.is_archive;
   contract.grey = subject.grey;
-  contract.shows_grey = machine.panel.grey.has_grey();
+  const bool too_short = plan->grey_exposures > 0 && grey_exposures_of(*plan, plan->layers - 1) == 0;
+  contract.shows_grey = machine.panel.grey.has_grey() && !too_short;
   contract.grey_lost = contract.shows_grey ? 0 : subject.grey_lost;
   const auto doubt = [&contract](Doubt about, bool is_doubtful) {
     const unsigned bit = is_doubtful ? 1U << static_cast<unsigned>(about) : 0U;
@@ -217,12 +218,17 @@ void for_each_doubt(const Contract& contract, std::string_view name,
 namespace {
 
 /// What grey on a panel of black and white costs.
-FixedText<160> grey_exposures_line(const PrintPlan& plan) {
+FixedText<200> grey_exposures_line(const PrintPlan& plan) {
   const std::uint32_t n = grey_exposures_of(plan, plan.layers - 1);
-  const double more = seconds_in(plan.mask_change * n);
-  FixedText<160> text;
+  const double least = seconds_in(plan.least_exposure);
+  FixedText<200> text;
+  if (n == 0) {
+    text.add("grey       becomes black or white: half an exposure would be shorter than %.3g s", least);
+    return text;
+  }
   text.add("grey       by up to %u exposures of a layer instead of one: %.2f s more for a layer with grey pixels",
-           n + 1, more);
+           n + 1, seconds_in(plan.mask_change * n));
+  if (n < plan.grey_exposures) text.add(". With %u, one would be shorter than %.3g s", plan.grey_exposures + 1, least);
   return text;
 }
 

@@ -137,6 +137,36 @@ TEST(Contract, AsksAboutGreyThatMatters) {
               ElementsAre("52 % of the area of part.zip is grey: 50 % vanishes, the rest cures as white"));
 }
 
+TEST(Contract, SaysWhatGreyByExposuresCosts) {
+  PrintProfile said = standard_profile();
+  for (const PrintKey key : {PrintKey::kLayerHeight, PrintKey::kExposureTime, PrintKey::kInitialExposureTime}) {
+    said.sources[index_of(key)] = ValueSource::kArchive;
+  }
+  MachineFile machine = sim2k();
+  machine.panel.grey = {.exposures = 3};
+  ContractSubject archive = an_archive();
+  const auto plain = make_contract(said, machine, archive);
+  EXPECT_EQ(plain->plan.grey_exposures, 0U);
+  EXPECT_THAT(lines_of(*plain), Not(HasSubstr("grey")));
+  archive.grey = 0.5;
+  archive.grey_lost = 0.3;
+  const auto grey = make_contract(said, machine, archive);
+  EXPECT_THAT(doubts_in(*grey), IsEmpty());
+  EXPECT_THAT(lines_of(*grey),
+              HasSubstr("\ngrey       by up to 4 exposures of a layer instead of one: 0.11 s more for a "
+                        "layer with grey pixels\n"));
+  EXPECT_EQ(grey->time - plain->time, std::chrono::seconds(std::lround(grey->plan.layers * 3 * 0.0366667)));
+  said.exposure_time = 0.3;
+  EXPECT_THAT(
+      lines_of(*make_contract(said, machine, archive)),
+      HasSubstr("\ngrey       by up to 2 exposures of a layer instead of one: 0.04 s more for a layer with grey "
+                "pixels. With 4, one would be shorter than 0.1 s\n"));
+  said.exposure_time = 0.15;
+  const auto short_ones = make_contract(said, machine, archive);
+  EXPECT_THAT(lines_of(*short_ones), HasSubstr("\ngrey       becomes black or white: half an exposure would be"));
+  EXPECT_TRUE(short_ones->doubts_about(Doubt::kGrey));
+}
+
 TEST(Contract, OfAScanHasNoDoubts) {
   ContractSubject scan = an_archive();
   scan.is_archive = false;
