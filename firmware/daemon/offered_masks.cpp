@@ -10,14 +10,16 @@ Expected<std::unique_ptr<OfferedScanMasks>> OfferedScanMasks::create(const Slice
   std::unique_ptr<OfferedScanMasks> offered(new OfferedScanMasks(arena));
   const auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena);
   PLUMBLINE_TRY(stream);
-  offered->stream_.emplace(*stream, plan.steps);
+  offered->stream_.emplace(*stream, sliced.support_counts.steps);
   return offered;
 }
 
 Expected<bool> OfferedScanMasks::draw(std::uint32_t layer, LayerPicture& picture) {
   const std::uint32_t layers = stream_->grid().layers;
   if (layer >= layers) return no_such_layer(layer, layers);
-  draw_layer_picture(stream_->mask(layer), picture);
+  const auto mask = stream_->mask(layer);
+  PLUMBLINE_TRY(mask);
+  draw_layer_picture(*mask, picture);
   return true;
 }
 

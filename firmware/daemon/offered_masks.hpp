@@ -44,7 +44,7 @@ class OfferedScanMasks final : public OfferedMasks {
 
   Arena& arena_;
   std::size_t mark_;
-  std::optional<MaskStream> stream_;
+  std::optional<StreamMasks> stream_;
 };
 
 /// The error of a layer that a stack of `layers` does not have.

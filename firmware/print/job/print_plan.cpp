@@ -122,6 +122,13 @@ double fade_of(const PrintPlan& plan, std::uint32_t layer) {
   return bottom_fade(layer, plan.bottom_layers, plan.faded_layers);
 }
 
+/// An exposure of a layer as high as the profile's, for this one.
+nanoseconds for_height(const PrintPlan& plan, std::uint32_t layer, nanoseconds exposure) {
+  if (plan.steps.all_one()) return exposure;
+  const double higher_mm = (thickness_of(plan, layer) - plan.exposed_height).millimetres();
+  return nanoseconds(std::llround(static_cast<double>(exposure.count()) * dose_factor(higher_mm, plan.penetration_mm)));
+}
+
 nanoseconds move_time(const PrintPlan& plan, Distance way, Speed speed) {
   if (way <= Distance()) return {};
   return seconds(Ramp(way, speed, plan.acceleration).duration().count());
@@ -196,9 +203,11 @@ Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& m
 nanoseconds exposure_of(const PrintPlan& plan, std::uint32_t layer) {
   const auto difference = static_cast<double>((plan.exposure - plan.initial_exposure).count());
   const nanoseconds exposure = plan.initial_exposure + nanoseconds(std::llround(difference * fade_of(plan, layer)));
-  if (plan.steps.all_one()) return exposure;
-  const double higher_mm = (thickness_of(plan, layer) - plan.exposed_height).millimetres();
-  return nanoseconds(std::llround(static_cast<double>(exposure.count()) * dose_factor(higher_mm, plan.penetration_mm)));
+  return for_height(plan, layer, exposure);
+}
+
+nanoseconds normal_exposure_of(const PrintPlan& plan, std::uint32_t layer) {
+  return for_height(plan, layer, plan.exposure);
 }
 
 ZPosition height_of(const PrintPlan& plan, std::uint32_t layer) {
