@@ -188,6 +188,57 @@ tl::unexpected<Error> fail_empty(ScanSources sources, const MeshCounts& counts) 
                                                     title.c_str(), static_cast<unsigned long long>(counts.not_finite)));
 }
 
+/// Reads a mesh that is admitted, and finds the crossings of one ray of each pixel.
+/// @param grid  with the ray
+Expected<ShotObject> shoot_rays_of(MeshFiles& files, const MeshSurvey& survey, const Placement& placement,
+                                   const PrintGrid& grid, const SliceSettings& settings, const StageContext& job,
+                                   MeshCounts& counts) {
+  const double correction = settings.absolute_correction_mm;
+  const bool moves = std::abs(correction) > 0;
+  // The mesh is moved so that the ray is at the pixel's centre: everything that reads it agrees where it lies.
+  Vec3d shift_mm = placement.shift;
+  shift_mm[0] += static_cast<double>((0.5F - grid.ray_x) * grid.pitch_x_mm);
+  shift_mm[1] += static_cast<double>((0.5F - grid.ray_y) * grid.pitch_y_mm);
+  PlacedMesh mesh{files, survey, placement.grid, {placement.rotation, placement.scale, shift_mm}};
+  std::optional<OutlineShift> shift;
+  auto found = [&] {
+    const StageScope stage(Stage::kRayGrid, job);
+    const StageProgress progress{job.progress, Stage::kRayGrid};
+    return moves ? find_moved_hits(mesh, correction, shift, job, progress) : find_hits(mesh, job, progress);
+  }();
+  PLUMBLINE_TRY(found);
+  counts.closed = found->closed;
+  counts.flat = found->flat;
+  counts.turned = found->turned;
+  counts.dropped = found->dropped;
+  counts.hits = found->hits.size();
+  const StageScope stage(Stage::kRays, job);
+  const StageProgress progress{job.progress, Stage::kRays};
+  ClosedHoles holes{.all = found->closed};
+  if (!holes.all) {
+    const auto closed = close_holes(mesh, *found, job.arena, progress.part(0, kHolesClosed));
+    PLUMBLINE_TRY(closed);
+    holes = *closed;
+  }
+  counts.closed_holes = holes.holes;
+  files.drop_copy(job.arena);  // so that it takes no room from what else is read: that would change the cells
+  job.arena.reset_peak();
+  std::optional<MeshField> field;
+  if (!holes.all) {
+    const auto open = find_field(mesh, *found, holes, settings, job);
+    PLUMBLINE_TRY(open);
+    field = *open;
+  }
+  const double done = field ? kFieldBuilt : counts.closed ? 0 : kHolesClosed;
+  auto store = resolve_hits(found->hits, mesh.grid, field ? &*field : nullptr, settings.threads, job.arena,
+                            progress.part(done, 1), counts);
+  PLUMBLINE_TRY(store);
+  // Without room for the search, the columns stay.
+  if (field) static_cast<void>(drop_lone_columns(*store, job.arena));
+  return ShotObject{
+      .store = *store, .placement = placement, .flat_underside = field && field->has_base(), .is_mesh = true};
+}
+
 }  // namespace
 
 Expected<std::optional<SurveyedMesh>> survey_mesh(MeshFiles& files, ScanSources sources, const SliceSettings& settings,
@@ -261,50 +312,29 @@ Expected<PreparedMesh> prepare_mesh(MeshFiles& files, const SurveyedMesh& mesh, 
 
 Expected<ShotObject> shoot_mesh(MeshFiles& files, const MeshSurvey& survey, const Placement& placement,
                                 const SliceSettings& settings, const StageContext& job, MeshCounts& counts) {
-  const double correction = settings.absolute_correction_mm;
-  const bool moves = std::abs(correction) > 0;
   MeshNeed need = need_of(counts, placement);
-  if (moves) need.shift_bytes = OutlineShift::bytes_needed(survey.triangles);
+  need.grey = settings.grey;
+  if (std::abs(settings.absolute_correction_mm) > 0) need.shift_bytes = OutlineShift::bytes_needed(survey.triangles);
   PLUMBLINE_TRY(admit(files, need, settings.threads, job));
   job.memory.planned(Stage::kRead) = job.memory.peak(Stage::kRead);  // it has been read, with room for more vertices
-  PlacedMesh mesh{files, survey, placement.grid, {placement.rotation, placement.scale, placement.shift}};
-  std::optional<OutlineShift> shift;
-  auto found = [&] {
-    const StageScope stage(Stage::kRayGrid, job);
-    const StageProgress progress{job.progress, Stage::kRayGrid};
-    return moves ? find_moved_hits(mesh, correction, shift, job, progress) : find_hits(mesh, job, progress);
-  }();
-  PLUMBLINE_TRY(found);
-  counts.closed = found->closed;
-  counts.flat = found->flat;
-  counts.turned = found->turned;
-  counts.dropped = found->dropped;
-  counts.hits = found->hits.size();
-  const StageScope stage(Stage::kRays, job);
-  const StageProgress progress{job.progress, Stage::kRays};
-  ClosedHoles holes{.all = found->closed};
-  if (!holes.all) {
-    const auto closed = close_holes(mesh, *found, job.arena, progress.part(0, kHolesClosed));
-    PLUMBLINE_TRY(closed);
-    holes = *closed;
+  if (rays_for(settings.grey) == 1) {
+    return shoot_rays_of(files, survey, placement, placement.grid, settings, job, counts);
   }
-  counts.closed_holes = holes.holes;
-  files.drop_copy(job.arena);  // so that it takes no room from what else is read: that would change the cells
-  job.arena.reset_peak();
-  std::optional<MeshField> field;
-  if (!holes.all) {
-    const auto open = find_field(mesh, *found, holes, settings, job);
-    PLUMBLINE_TRY(open);
-    field = *open;
+  std::array<CrossingStore, kRaysPerPixel - 1> others;
+  const auto planned = job.memory.planned_bytes;
+  for (std::uint32_t i = 0; i < others.size(); ++i) {
+    const ArenaScope pass(job.arena);
+    MeshCounts again = counts;
+    auto shot = shoot_rays_of(files, survey, placement, with_ray(placement.grid, i + 1), settings, job, again);
+    PLUMBLINE_TRY(shot);
+    others[i] = shot->store;
+    job.memory.planned_bytes = planned;
   }
-  const double done = field ? kFieldBuilt : counts.closed ? 0 : kHolesClosed;
-  auto store = resolve_hits(found->hits, mesh.grid, field ? &*field : nullptr, settings.threads, job.arena,
-                            progress.part(done, 1), counts);
-  PLUMBLINE_TRY(store);
-  // Without room for the search, the columns stay.
-  if (field) static_cast<void>(drop_lone_columns(*store, job.arena));
-  return ShotObject{
-      .store = *store, .placement = placement, .flat_underside = field && field->has_base(), .is_mesh = true};
+  auto shot = shoot_rays_of(files, survey, placement, with_ray(placement.grid, 0), settings, job, counts);
+  PLUMBLINE_TRY(shot);
+  shot->others = others;
+  shot->has_others = true;
+  return shot;
 }
 
 }  // namespace plumbline::inline slicer

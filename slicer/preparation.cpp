@@ -226,7 +226,7 @@ Expected<ReadScan> read_points(ScanSources sources, const SliceSettings& setting
   if (placement.printer) panel = panel_grid(*placement.printer, placement.layer_height_mm);
   const std::uint32_t threads = settings.threads;
   const std::size_t budget = job.arena.available();
-  PlanEvidence evidence{.confidence = settings.confidence, .arena_bytes = budget};
+  PlanEvidence evidence{.confidence = settings.confidence, .grey = settings.grey, .arena_bytes = budget};
   PLUMBLINE_TRY(largest_plan(budget, std::nullopt, panel, threads, evidence));
   ReadScan scan;
   std::size_t reading_bytes = 0;

@@ -78,6 +78,37 @@ Expected<SupportWidths> list_wide_supports(const PlacedScan& scan, Arena& arena)
   return widths;
 }
 
+/// Share of the time of all rays of a pixel that the first one takes.
+constexpr double kFirstRay = 0.5;
+
+/// Sorts the crossings of all rays of a pixel.
+Expected<RRep> sort_all(ShotObject& shot, Arena& arena) {
+  if (!shot.has_others) return CrossingStore::sort(shot.store, arena);
+  const ArenaScope scope(arena);
+  // The newest block at the bottom goes first, and that at the top is sorted first: the R-Rep of ray 0 becomes the newest at the bottom.
+  PLUMBLINE_TRY(shot.store.move_to_top(arena));
+  std::array<std::size_t, kRaysPerPixel - 1> marks = {};
+  for (std::size_t i = marks.size(); i-- > 0;) {
+    marks[i] = arena.top_mark();
+    PLUMBLINE_TRY(shot.others[i].move_to_top(arena));
+  }
+  const auto others = arena.take_bottom<RRep>(marks.size(), "R-Rep");
+  PLUMBLINE_TRY(others);
+  for (std::uint32_t i = 0; i < marks.size(); ++i) {
+    auto rrep = CrossingStore::sort(shot.others[i], arena);
+    PLUMBLINE_TRY(rrep);
+    rrep->grid = with_ray(rrep->grid, i + 1);
+    rrep->is_exact = shot.is_mesh;
+    (*others)[i] = *rrep;
+    arena.release_top(marks[i]);
+  }
+  auto rrep = CrossingStore::sort(shot.store, arena);
+  PLUMBLINE_TRY(rrep);
+  rrep->grid = with_ray(rrep->grid, 0);
+  rrep->others = others->data();
+  return rrep;
+}
+
 FeatureCounts drop_features(RRep& rrep, const ShotObject& shot, Arena& arena) {
   const FeatureLimits limits = feature_limits(shot.support_points, shot.lengths.epsilon, shot.lengths.noise, rrep.grid);
   // Removing a feature can let the mask's opening cut off what it supported, so noisy scans get a second sweep.
@@ -109,6 +140,7 @@ Expected<ShotObject> shoot_rays(PlacedScan scan, const SliceSettings& settings, 
   PlacedObject object{.cloud = cloud,
                       .read_points = scan.read_points,
                       .grid = grid,
+                      .grey = settings.grey,
                       .confidence = settings.confidence,
                       .threads = settings.threads,
                       .is_joined = false};
@@ -134,19 +166,36 @@ Expected<ShotObject> shoot_rays(PlacedScan scan, const SliceSettings& settings, 
   }
   PLUMBLINE_TRY(admit_rays(object, arena, job.memory.planned_bytes));
   const StageScope stage(Stage::kRays, job);
-  const RayField field{.cloud = &cloud,
-                       .tree = &*tree,
-                       .winding = &*winding,
-                       .grid = grid,
-                       .width = shot.width_mm,
-                       .widths = widths,
-                       .tile_capacity = tile_capacity(cloud.capacity()),
-                       .height_field = winding->has_base() && scan.classes.is_negligible(PointClass::kEntering)};
+  RayField field{.cloud = &cloud,
+                 .tree = &*tree,
+                 .winding = &*winding,
+                 .grid = grid,
+                 .width = shot.width_mm,
+                 .widths = widths,
+                 .tile_capacity = tile_capacity(cloud.capacity()),
+                 .height_field = winding->has_base() && scan.classes.is_negligible(PointClass::kEntering)};
   const float tolerance = std::max(kLayerShare * grid.layer_height_mm, kNoiseShare * scan.lengths.noise.value);
-  const auto store = shoot_all_rays(field, tolerance, settings.confidence ? &shot.confidence : nullptr,
-                                    settings.threads, arena, {job.progress, Stage::kRays}, shot.rays);
-  PLUMBLINE_TRY(store);
-  shot.store = *store;
+  const StageProgress progress{job.progress, Stage::kRays};
+  shot.has_others = rays_for(settings.grey) > 1;
+  if (shot.has_others) field.grid = with_ray(grid, 0);
+  {
+    const ArenaScope workers(arena);
+    const auto store =
+        shoot_all_rays(field, tolerance, settings.confidence ? &shot.confidence : nullptr, settings.threads, arena,
+                       progress.part(0, shot.has_others ? kFirstRay : 1), shot.rays);
+    PLUMBLINE_TRY(store);
+    shot.store = *store;
+  }
+  if (!shot.has_others) return shot;
+  for (std::uint32_t i = 0; i < shot.others.size(); ++i) {
+    field.grid = with_ray(grid, i + 1);
+    const auto done = [](std::uint32_t rays) { return kFirstRay + (1 - kFirstRay) * rays / (kRaysPerPixel - 1); };
+    const auto store =
+        shoot_other_rays(field, shot.store, settings.threads, arena, progress.part(done(i), done(i + 1)));
+    PLUMBLINE_TRY(store);
+    shot.others[i] = *store;
+  }
+  CrossingStore::put_last(shot.store, shot.others, arena);
   return shot;
 }
 
@@ -163,8 +212,12 @@ Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, cons
     const std::uint64_t outside = shot.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)];
     const RayYield yield{static_cast<double>(shot.rays.interested() - outside),
                          static_cast<double>(shot.store.crossings())};
-    job.memory.planned(Stage::kRRep) =
-        arena.used() - shot.store.bytes() + rrep_stage_bytes(shot.store.grid(), shot.store.bytes(), yield);
+    const std::uint32_t rays = shot.has_others ? kRaysPerPixel : 1;
+    std::size_t others = 0;
+    if (shot.has_others)
+      for (const CrossingStore& store : shot.others) others += store.bytes();
+    job.memory.planned(Stage::kRRep) = arena.used() - shot.store.bytes() - others +
+                                       rrep_stage_bytes(shot.store.grid(), shot.store.bytes(), yield, rays);
     ComponentLimits limits = component_limits(shot.lengths.epsilon, shot.placement.grid);
     limits.drop_floating = !settings.keep_all;
     report.components = drop_small_components(shot.store, limits, arena);
@@ -175,7 +228,7 @@ Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, cons
       report.proof = prove(shot.store, shot.sample, kNoiseReach * shot.lengths.noise.value + moved);
     }
   }
-  auto rrep = CrossingStore::sort(shot.store, arena);
+  auto rrep = sort_all(shot, arena);
   PLUMBLINE_TRY(rrep);
   rrep->is_exact = shot.is_mesh;
   std::optional<EmptyLayers> known;
@@ -192,6 +245,7 @@ Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, cons
   const auto trimmed = trim_empty_layers(*rrep, arena, known);
   if (!trimmed && trimmed.error().code() == ErrorCode::kNoSurface) return tl::unexpected<Error>(trimmed.error());
   const EmptyLayers empty = trimmed.value_or(EmptyLayers{});
+  for (RRep& other : rrep->other_rays()) cut_layers(other, empty);
   shot.confidence.trim(empty.below, empty.above);
   const PrintGrid& grid = rrep->grid;
   shot.placement.grid.layers = grid.layers;

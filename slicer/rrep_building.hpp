@@ -1,6 +1,7 @@
 #pragma once
 /// From the placed points of a surface to its R-Rep: the stages that slice() and inspect() share after placing.
 
+#include <array>
 #include <span>
 
 #include "slicer/core/stage_scope.hpp"
@@ -14,7 +15,10 @@ namespace plumbline::inline slicer {
 
 /// A placed object once its rays have been shot.
 struct ShotObject {
-  CrossingStore store = {};  ///< at the bottom of the arena
+  CrossingStore store = {};  ///< at the bottom of the arena, its newest block
+  /// Those of rays 1 to 3 of a pixel, below it in this order, if SliceSettings::grey is full.
+  std::array<CrossingStore, kRaysPerPixel - 1> others = {};
+  bool has_others = false;
   Placement placement = {};
   bool flat_underside = false;  ///< it stands on the base plane
   bool is_mesh = false;         ///< it is printed as it is, however small its parts are
@@ -27,13 +31,14 @@ struct ShotObject {
   ConfidenceMap confidence = {};  ///< at the bottom of the arena, below the crossings; empty unless asked for
 };
 
-/// Shoots a ray through each pixel that a scan can cover.
+/// Shoots a ray through each pixel that a scan can cover, or four.
 /// @param scan  its cloud is consumed; work space is taken at the top of the arena and left to the caller
 /// @retval ErrorCode::kOutOfMemory  before the first ray where the crossings that the surface will make don't fit
 /// @retval ErrorCode::kCancelled
 [[nodiscard]] Expected<ShotObject> shoot_rays(PlacedScan scan, const SliceSettings& settings, const StageContext& job);
 
-/// Drops small components and small features of a scan, sorts the crossings by layer, and drops empty layers at both ends.
+/// Drops small components and small features of a scan, sorts the crossings by layer, and drops empty layers at both ends. If a pixel has four
+/// rays, those of the first one decide what goes; the other three lose the same layers.
 /// @param shot    its store is at the bottom of the arena, which the R-Rep takes over; nothing is at the top
 /// @param report  gets what is known of the object, and keeps what was found before it was placed
 /// @retval ErrorCode::kOutOfMemory

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "slicer/core/grey_runs.hpp"
 #include "slicer/core/resin/cure_model.hpp"
 #include "slicer/core/resin/peel_force.hpp"
 #include "slicer/layers/adaptive_layers.hpp"
@@ -28,6 +29,7 @@ struct SliceSettings {
   bool keep_all = false;                    ///< keep stray pieces and small components too
   /// mm by which every outline of a layer is moved, outwards if above 0: light cures walls a little too far out. -0.5 to 0.5
   double absolute_correction_mm = 0;
+  Grey grey = Grey::kOff;     ///< of the masks; full: four rays a pixel
   CureModel cure;             ///< of the print: if it is known, add_supports() corrects the object for bleed
   AdaptiveLayers adaptive;    ///< of the print: if it is wanted, add_supports() chooses the heights of its layers
   PeelSettings peel;          ///< of the resin: for the checks of the masks only

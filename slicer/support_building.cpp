@@ -4,6 +4,7 @@
 
 #include "slicer/checks/what_matters.hpp"
 #include "slicer/core/stage_scope.hpp"
+#include "slicer/layers/rrep_edit.hpp"
 #include "slicer/supports/stand.hpp"
 
 namespace plumbline::inline slicer {
@@ -13,6 +14,18 @@ std::uint32_t most_layers(const PlacementSettings& placement) {
   if (!placement.printer) return PrintGrid::kMaxLayers;
   return static_cast<std::uint32_t>(
       std::max(1.0, whole_layers(placement.printer->travel_mm, placement.layer_height_mm)));
+}
+
+/// Corrects the other rays of each pixel for bleed, and lets them stand as ray 0 does.
+/// @param rrep  with its supports
+Status follow(const RRep& rrep, const SupportCounts& counts, const CureModel& cure, Arena& arena) {
+  for (RRep& other : rrep.other_rays()) {
+    cut_layers(other, {.below = counts.sunk, .above = 0});
+    if (cure.is_known()) PLUMBLINE_TRY(correct_bleed(other, cure, counts.lifted, arena));
+    cut_layers(other, {.below = 0, .above = other.grid.layers + counts.lifted - rrep.grid.layers});
+    if (counts.lifted > 0) PLUMBLINE_TRY(raise_object(other, counts.lifted, arena));
+  }
+  return {};
 }
 
 }  // namespace
@@ -44,6 +57,7 @@ Expected<Supports> add_supports(RRep& rrep, const SliceSettings& settings, Arena
     } else {
       report.object_pixels.reset();  // small features are removed anew
     }
+    PLUMBLINE_TRY(follow(rrep, counts, settings.cure, arena));
     return Supports{};
   }
   const SupportSettings& wanted = *settings.supports;
@@ -51,6 +65,7 @@ Expected<Supports> add_supports(RRep& rrep, const SliceSettings& settings, Arena
   auto supports = find_supports(rrep, wanted, most_layers(settings.placement), arena, progress, counts, settings.cure,
                                 settings.adaptive);
   PLUMBLINE_TRY(supports);
+  PLUMBLINE_TRY(follow(rrep, counts, settings.cure, arena));
   for (std::uint32_t i = 0; i < wanted.added.all().size(); ++i) {
     SupportPlaces& missed = report.missed_supports;
     if ((counts.missed >> i & 1U) != 0) missed.list[missed.count++] = wanted.added.list[i];

@@ -136,6 +136,21 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
     return wrong("heights of the layers");
   }
   sliced.support_counts.steps = answer.steps;
+  if (rays_for(request.settings.grey) > 1) {
+    sliced.rrep.grid = with_ray(grid, 0);
+    const auto others = arena.take_bottom<RRep>(answer.other_rays.size(), "r-rep");
+    PLUMBLINE_TRY(others);
+    for (std::uint32_t i = 0; i < others->size(); ++i) {
+      const ScanAnswer::Ray& ray = answer.other_rays[i];
+      RRep& other = (*others)[i] = {.grid = with_ray(grid, i + 1),
+                                    .first = part_of<std::uint32_t>(*result, ray.first_at, layer_ends),
+                                    .packed = part_of<std::uint32_t>(*result, ray.packed_at, ray.crossings),
+                                    .is_exact = answer.is_exact != 0};
+      if (other.first.size() != layer_ends || other.packed.size() != ray.crossings) return wrong("places");
+      if (!is_rrep(other)) return wrong("crossings");
+    }
+    sliced.rrep.others = others->data();
+  }
 
   if (answer.supports > 0) {
     if (!request.settings.supports || answer.supports > most_struts(grid)) return wrong("number of supports");

@@ -46,6 +46,10 @@ struct ScanAnswer {
   std::uint64_t first_at = 0;     ///< RRep::first
   std::uint64_t packed_at = 0;    ///< RRep::packed
   std::uint64_t supports_at = 0;  ///< Supports::list
+  struct Ray {
+    std::uint64_t crossings = 0, first_at = 0, packed_at = 0;
+  };
+  std::array<Ray, kRaysPerPixel - 1> other_rays{};  ///< RRep::others, if SliceSettings::grey is full
   std::uint64_t scan_hash = 0;
   StackFindings findings;
   PointProof proof;

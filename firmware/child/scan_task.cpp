@@ -32,6 +32,10 @@ void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena&
   answer.crossings = sliced.rrep.packed.size();
   answer.first_at = place(sliced.rrep.first.data());
   answer.packed_at = place(sliced.rrep.packed.data());
+  for (std::size_t i = 0; i < sliced.rrep.other_rays().size(); ++i) {
+    const RRep& other = sliced.rrep.others[i];
+    answer.other_rays[i] = {other.packed.size(), place(other.first.data()), place(other.packed.data())};
+  }
   if (!sliced.supports.empty()) {
     answer.supports = static_cast<std::uint32_t>(sliced.supports.list.size());
     answer.supports_at = place(sliced.supports.list.data());

@@ -98,11 +98,14 @@ Expected<ArchiveOutput> archive_output(const JobSetup& setup, const std::string&
   return ArchiveOutput{board, std::move(*profile), seconds};
 }
 
+struct ShownGrey {
+  Grey grey = Grey::kOff;
+  CureModel model;  ///< how the light of grey pixels cures; not known if the masks have none
+};
 /// @param grey  of --grey
-/// @returns how the light of grey pixels cures; not known if the masks have none
-Expected<CureModel> grey_of(const JobSetup& setup, const std::string& grey) {
-  const bool is_asked_for = grey == kGreyWords[static_cast<std::size_t>(Grey::kVertical)];
-  if (!is_asked_for && (!setup.board || !setup.board->machine)) return CureModel();
+Expected<ShownGrey> grey_of(const JobSetup& setup, const std::string& grey) {
+  const bool is_asked_for = !grey.empty() && grey != kGreyWords[static_cast<std::size_t>(Grey::kOff)];
+  if (!is_asked_for && (!setup.board || !setup.board->machine)) return ShownGrey();
   if (!setup.board) {
     return fail(ErrorCode::kBadSetting,
                 "--grey %s: grey is made for a printer's panel.\tName the printer with --printer, or leave out --grey",
@@ -118,7 +121,8 @@ Expected<CureModel> grey_of(const JobSetup& setup, const std::string& grey) {
     profile = std::move(*read);
   }
   PLUMBLINE_TRY(choose_grey(grey, board, *machine, profile));
-  return grey_model(profile, *machine);
+  const CureModel model = grey_model(profile, *machine);
+  return ShownGrey{model.is_known() ? shown_grey(profile, *machine) : Grey::kOff, model};
 }
 
 }  // namespace
@@ -149,10 +153,11 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   }
   const auto grey = grey_of(*setup, options.grey);
   if (!grey) return report_error(grey.error());
-  settings.grey = *grey;
+  settings.grey = grey->model;
   settings.printer_name = setup->printer_name;
   settings.preview = options.preview;
   settings.slice = slice_settings(*setup, *options.supports.over(true, {}));  // checked when the arguments were parsed
+  settings.slice.grey = grey->grey;
   settings.checks = options.checks.over(checks_of(setup->board));
   TerminalJob terminal(options.job, *setup, arena_block);
   auto job = SliceJob::prepare(settings, terminal.arena());

@@ -42,6 +42,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   const bool is_sliced = is_archive_name(scan[0].name());
   if (!is_sliced) correct_sizes(profile, daemon.board, request.settings);
   tell_checks(profile, daemon.machine, request.settings);
+  request.settings.grey = shown_grey(profile, daemon.machine);
   const auto supports = job.supports.over(profile.supports_enable, profile.supports);
   if (!supports) {
     Error wrong = supports.error();

@@ -88,6 +88,7 @@ SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportS
     const PrintProfile& told = profile == nullptr ? own : *profile;
     correct_sizes(told, *setup.board, settings);
     if (setup.board->machine) tell_checks(told, *setup.board->machine, settings);
+    if (setup.board->machine && profile != nullptr) settings.grey = shown_grey(told, *setup.board->machine);
   }
   if (setup.absolute_correction_mm) settings.absolute_correction_mm = *setup.absolute_correction_mm;
   settings.placement.room.beside_mm += std::max(0.0, settings.absolute_correction_mm);

@@ -146,9 +146,12 @@ CureModel cure_model(const PrintProfile& profile, const MachineFile& machine) {
           .faded_layers = profile.faded_layers};
 }
 
+Grey shown_grey(const PrintProfile& profile, const MachineFile& machine) {
+  return machine.panel.grey.has_grey() ? profile.grey : Grey::kOff;
+}
+
 CureModel grey_model(const PrintProfile& profile, const MachineFile& machine) {
-  const bool is_grey = profile.grey == Grey::kVertical && machine.panel.grey.has_grey();
-  return is_grey ? cure_model(profile, machine) : CureModel();
+  return shown_grey(profile, machine) == Grey::kOff ? CureModel() : cure_model(profile, machine);
 }
 
 void correct_sizes(const PrintProfile& profile, const BoardFile& board, SliceSettings& settings) {

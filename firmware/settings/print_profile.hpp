@@ -20,9 +20,8 @@ namespace plumbline::firmware::inline settings {
 /// mm: largest absolute_correction, either way.
 inline constexpr double kMostMoved = 0.5;
 
-/// Which pixels of a mask may be grey: none, or those where rays enter the object, so that undersides lie between the heights of layers.
-enum class Grey : std::uint8_t { kOff, kVertical };
-inline constexpr std::array<std::string_view, 2> kGreyWords = {"off", "vertical"};
+/// By Grey.
+inline constexpr std::array<std::string_view, 3> kGreyWords = {"off", "vertical", "full"};
 
 /// Names are those of PrusaSlicer's SLA settings where it has one. Every number is inside the range given in
 /// board/README.md. Heights in mm, times in s, speeds in mm/min, as resin users know them; PrintPlan has them as types.
@@ -97,7 +96,9 @@ void correct_sizes(const PrintProfile& profile, const BoardFile& board, SliceSet
 /// How the light of a print cures; not known if the profile has no `exchange`.
 CureModel cure_model(const PrintProfile& profile, const MachineFile& machine);
 
-/// cure_model() if masks are to have grey pixels; not known if the profile has `grey` off or the panel shows black and white only.
+/// The profile's, or off if the panel shows black and white only.
+Grey shown_grey(const PrintProfile& profile, const MachineFile& machine);
+/// cure_model() if shown_grey() is not off; else not known.
 CureModel grey_model(const PrintProfile& profile, const MachineFile& machine);
 
 /// Height of the R-Rep's layers for a print, mm: of an adaptive one the least.

@@ -81,6 +81,7 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
     text.add("stands     %s\n",
              stand_text(*report.support_settings, report.supports, s.placement.grid.layer_height_mm).c_str());
   }
+  if (report.grey == Grey::kFull) text.add("grey       where the object begins and where walls pass through pixels\n");
   if (report.grey == Grey::kVertical) text.add("grey       where the object begins: undersides between layers\n");
   if (!print_time.empty()) {
     text.add("time       %.*s\n", static_cast<int>(print_time.size()), print_time.data());

@@ -12,7 +12,6 @@
 #include "firmware/pictures/preview/preview.hpp"
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/settings/job_options.hpp"
-#include "firmware/slice/grey_masks.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/proof_report.hpp"
@@ -20,6 +19,7 @@
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/support_building.hpp"
+#include "slicer/supports/drawing/grey_masks.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 
 namespace plumbline::firmware {
@@ -58,7 +58,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
   job.report_.base = settings.slice.base;
   job.report_.sizes = corrections_of(settings.slice);
   job.report_.printer_name = settings.printer_name;
-  job.report_.grey = settings.grey.is_known() ? Grey::kVertical : Grey::kOff;
+  job.report_.grey = settings.slice.grey;
   job.report_.checks = settings.checks;
   job.report_.draws_coverage = settings.preview && !settings.archive;
   job.report_.arena_bytes = arena.capacity();
@@ -110,9 +110,8 @@ Status SliceJob::work(JobProgress& progress) {
 
 /// Plans the layers anew, since the R-Rep and the supports are known now.
 void SliceJob::plan_layers(const RRep& rrep, const Supports& supports) {
-  report_.slice.planned(Stage::kLayers) =
-      arena_->used() + rrep.grid.layers * sizeof(std::uint64_t) + layers_stage_bytes(rrep.grid, supports.list.size()) +
-      (settings_.grey.is_known() ? GreyMasks::bytes_needed(rrep.grid, supports.list.size()) : 0);
+  report_.slice.planned(Stage::kLayers) = arena_->used() + rrep.grid.layers * sizeof(std::uint64_t) +
+                                          layers_stage_bytes(rrep.grid, supports.list.size(), settings_.slice.grey);
 }
 
 Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,

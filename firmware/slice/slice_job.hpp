@@ -35,7 +35,7 @@ struct SliceJobSettings {
   std::string printer_name;              ///< for the manifest; empty: none
   SliceSettings slice;                   ///< supports: valid by check_support_settings()
   CheckPolicy checks;
-  CureModel grey;  ///< of the machine's layers; if it is known, pixels are grey where rays enter. With a printer only
+  CureModel grey;  ///< of the machine's layers, known if slice.grey is not off. With a printer only
   bool preview = true;
 };
 

@@ -7,8 +7,15 @@
 #include <span>
 
 #include "slicer/core/bit_spans.hpp"
+#include "slicer/core/print_grid.hpp"
 
 namespace plumbline::inline slicer {
+
+/// Which pixels of a mask may be grey: none, those where rays enter the object, so that undersides lie between the heights of layers, or also those
+/// that walls pass through.
+enum class Grey : std::uint8_t { kOff, kVertical, kFull };
+/// Of each pixel.
+constexpr std::uint32_t rays_for(Grey grey) { return grey == Grey::kFull ? kRaysPerPixel : 1; }
 
 /// A stretch of pixels of one row that let some of the light through.
 struct GreyRun {

@@ -118,6 +118,33 @@ Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<
   return *empty;
 }
 
+void cut_layers(RRep& rrep, const EmptyLayers& cut) {
+  const std::uint32_t below = cut.below;
+  rrep.grid.layers -= below + cut.above;
+  if (below > 0) {
+    // Crossings of the layers that go, and of the first that stays. An odd number of one pixel leaves one.
+    std::uint32_t* const packed = const_cast<std::uint32_t*>(rrep.packed.data());
+    std::uint32_t* const first = const_cast<std::uint32_t*>(rrep.first.data());
+    const CrossingPacking packing(rrep.grid);
+    const std::uint32_t own = first[below], end = first[below + 1];
+    for (std::uint32_t i = 0; i < own; ++i) packed[i] = packing.packed(packing.pixel(packed[i]));
+    std::sort(packed, packed + end);
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < end; ++i) {
+      if (kept > 0 && packing.pixel(packed[kept - 1]) == packing.pixel(packed[i])) {
+        --kept;
+      } else {
+        packed[kept++] = packed[i];
+      }
+    }
+    std::copy(packed + end, packed + rrep.packed.size(), packed + kept);
+    first[below] = 0;
+    for (std::size_t k = below + std::size_t{1}; k < rrep.first.size(); ++k) first[k] -= end - kept;
+  }
+  rrep.first = rrep.first.subspan(below, rrep.grid.layers + std::size_t{1});
+  rrep.packed = rrep.packed.first(rrep.first.back());
+}
+
 Status raise_object(RRep& rrep, std::uint32_t layers, Arena& arena) {
   const auto first = arena.take_bottom<std::uint32_t>(rrep.first.size() + layers, "R-Rep");
   PLUMBLINE_TRY(first);

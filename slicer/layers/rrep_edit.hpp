@@ -39,6 +39,10 @@ struct RRepToggle {
 /// @retval ErrorCode::kOutOfMemory  no room for two images and the crossings below; rrep is unchanged
 [[nodiscard]] Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<EmptyLayers> known = {});
 
+/// Removes layers at both ends, whatever they hold: what goes on above those below begins in the first layer that stays. Needs no memory and frees none.
+/// @param cut  fewer layers than `rrep` has
+void cut_layers(RRep& rrep, const EmptyLayers& cut);
+
 /// Puts `layers` empty layers below the object. Takes a new RRep::first from the bottom of the arena; the crossings stay.
 /// @param layers  at most PrintGrid::kMaxLayers with those of `rrep`
 /// @retval ErrorCode::kOutOfMemory  rrep is unchanged

@@ -20,6 +20,7 @@
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep/components.hpp"
 #include "slicer/rrep/confidence.hpp"
+#include "slicer/supports/drawing/grey_masks.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
 #include "slicer/surface/clustering.hpp"
@@ -63,18 +64,20 @@ std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield) {
   return bounded(4 * yield.crossings) + 4 * (std::size_t{grid.layers} + 1);
 }
 
-std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield) {
+std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield, std::uint32_t rays) {
   const std::size_t sorted = rrep_bytes(grid, yield);
-  // The store is first moved to the top of the arena, so for a moment there are two of it.
+  // The store is first moved to the top of the arena, so for a moment there are two of it. Of several, those that are sorted give theirs back.
   const std::size_t sorting = std::max(store, sorted) + CrossingStore::row_room_bytes(grid);
-  return kSlack + std::max(store + std::max(sorting, components_bytes(grid, yield.rays, yield.crossings)),
-                           sorted + layer_features_bytes(grid));
+  const std::size_t others = (rays - 1) * std::max(store, sorted);
+  return kSlack +
+         std::max({store + others + sorting, rays * store + components_bytes(grid, yield.rays, yield.crossings),
+                   rays * sorted + layer_features_bytes(grid)});
 }
 
 std::size_t views_stage_bytes(std::uint32_t views) { return kSlack + register_views_bytes(views); }
 
-std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts) {
-  return kSlack + MaskStream::bytes_needed(grid, struts) +
+std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts, Grey grey) {
+  return kSlack + MaskStream::bytes_needed(grid, struts) + GreyMasks::bytes_needed(grid, struts, grey) +
          StackChecker::bytes_needed(grid, struts > 0 ? OverhangRule::kNone : OverhangRule::kNeedSupport);
 }
 
@@ -121,21 +124,22 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kClustering,
       cloud + tree + proof_bytes(points) +
           std::max({clustering_bytes(points), sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points)}));
-  std::size_t store = 0;
+  std::size_t store = 0;  // of all rays
+  const std::uint32_t rays = rays_for(evidence.grey);
   // Without a grid the number of layers is unknown, but the cells take most of the map.
   const std::size_t kept = kept_bytes(points, grid ? grid->layers : 0, evidence.confidence);
   if (grid) {
     // While rays are shot, points share the arena with the crossings, so more of these mean fewer points. Afterwards all points
     // are gone, and what the crossings need can't be spared.
-    store = store_bytes(*grid, evidence.yield.value_or(expected_yield(*grid, kCrossingsPerRay)));
+    store = rays * store_bytes(*grid, evidence.yield.value_or(expected_yield(*grid, kCrossingsPerRay)));
     const RayYield yield = evidence.yield.value_or(expected_yield(*grid, kFewestCrossingsPerRay));
-    const std::size_t sorted = rrep_bytes(*grid, yield);
-    set(Stage::kRRep, kept + rrep_stage_bytes(*grid, store_bytes(*grid, yield), yield));
+    const std::size_t sorted = rays * rrep_bytes(*grid, yield);
+    set(Stage::kRRep, kept + rrep_stage_bytes(*grid, store_bytes(*grid, yield), yield, rays));
     const std::uint32_t struts = most_struts(*grid);
     set(Stage::kSupports,
         kept + sorted +
             std::max(find_supports_bytes(*grid), bleed_bytes(*grid, static_cast<std::size_t>(yield.crossings))));
-    set(Stage::kLayers, kept + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts));
+    set(Stage::kLayers, kept + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts, evidence.grey));
   }
   const std::size_t workers = threads * ray_worker_bytes(tile_capacity(evidence.ray_points.value_or(points)));
   const std::size_t shooting = kSlack + kept + store + workers;

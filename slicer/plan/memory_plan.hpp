@@ -8,6 +8,7 @@
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/grey_runs.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/progress.hpp"
 
@@ -41,11 +42,12 @@ std::size_t kept_bytes(std::uint32_t points, std::uint32_t layers, bool confiden
 
 /// Bytes of the stage that makes the R-Rep of a scan, without kept_bytes().
 /// @param store  bytes of the crossing store
-std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield);
+/// @param rays   of each pixel, with as many crossings each
+std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield, std::uint32_t rays = 1);
 /// Bytes of the views' stage beside cloud and tree.
 std::size_t views_stage_bytes(std::uint32_t views);
 /// Bytes that making and checking the masks takes beside map, R-Rep and supports.
-std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts);
+std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts, Grey grey);
 
 /// A job that has room for fewer points is refused: their surface would not be worth a print. The value matters only for
 /// arenas of a few MiB.
@@ -71,6 +73,7 @@ struct PlanEvidence {
   std::uint64_t kept_bytes = 0;    ///< ScanAnnouncement::kept_bytes
   std::uint32_t views = kRuns;     ///< ScanAnnouncement::most_views
   bool confidence = false;         ///< SliceSettings::confidence
+  Grey grey = Grey::kOff;          ///< SliceSettings::grey
   /// Points that are left when rays are shot: noise has gone and neighbours have been joined. Unknown: as many as the cloud or, if that
   /// is less, `arena_bytes` have room for, but at least kLeastJoined of the cloud's.
   std::optional<std::uint32_t> ray_points = std::nullopt;

@@ -23,7 +23,9 @@ constexpr double kMostHits = static_cast<double>(std::numeric_limits<std::size_t
 MeshNeed need_of(const MeshCounts& mesh, const Placement& placement) {
   const PrintGrid& grid = placement.grid;
   const double pixel_mm2 = static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm);
-  return {mesh.most_vertices, grid, mesh.seen_area * placement.scale * placement.scale / pixel_mm2};
+  return {.most_vertices = mesh.most_vertices,
+          .grid = grid,
+          .hits = mesh.seen_area * placement.scale * placement.scale / pixel_mm2};
 }
 
 MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
@@ -32,19 +34,23 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   const RayYield yield{need.hits / 2, need.hits};
   const std::size_t hits = Arena::rounded(static_cast<std::size_t>(std::min(need.hits, kMostHits)) * sizeof(PackedHit));
   const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(need.most_vertices) + need.copied_bytes;
+  const std::uint32_t rays = rays_for(need.grey);
   const std::size_t store = store_bytes(grid, yield);
   const std::size_t rrep = rrep_bytes(grid, yield);
+  const std::size_t sorted = rays * rrep;
   const std::uint32_t struts = most_struts(grid);
   const auto set = [&](Stage stage, std::size_t bytes) { plan.bytes[static_cast<std::size_t>(stage)] = bytes; };
   set(Stage::kRead, reading);
-  set(Stage::kRayGrid, reading + need.shift_bytes + hits);
-  set(Stage::kRays, need.shift_bytes + hits + resolve_bytes(threads, nullptr) + store);
+  // The mesh is read again for each ray of the pixels, beside the crossings of those before.
+  set(Stage::kRayGrid, reading + need.shift_bytes + hits + (rays - 1) * store);
+  set(Stage::kRays, need.shift_bytes + hits + resolve_bytes(threads, nullptr) + rays * store);
   // The search for empty layers streams the masks.
-  set(Stage::kRRep, std::max(store + std::max(store, rrep) + CrossingStore::row_room_bytes(grid),
-                             rrep + LayerStream::bytes_needed(grid)));
+  set(Stage::kRRep,
+      std::max(store + (rays - 1) * std::max(store, rrep) + std::max(store, rrep) + CrossingStore::row_room_bytes(grid),
+               sorted + LayerStream::bytes_needed(grid)));
   set(Stage::kSupports,
-      rrep + std::max(find_supports_bytes(grid), bleed_bytes(grid, static_cast<std::size_t>(yield.crossings))));
-  set(Stage::kLayers, rrep + struts * sizeof(Strut) + layers_stage_bytes(grid, struts));
+      sorted + std::max(find_supports_bytes(grid), bleed_bytes(grid, static_cast<std::size_t>(yield.crossings))));
+  set(Stage::kLayers, sorted + struts * sizeof(Strut) + layers_stage_bytes(grid, struts, need.grey));
   return plan;
 }
 

@@ -12,6 +12,7 @@ namespace plumbline::inline slicer {
 struct MeshNeed {
   std::uint64_t most_vertices = 0;  ///< that a reading keeps
   PrintGrid grid;
+  Grey grey = Grey::kOff;  ///< SliceSettings::grey
   double hits = 0;  ///< of rays and triangles, estimated from the triangles' areas: within 2 % for a large object
   /// Of the arena, for a copy of the file. They are given back after the second reading.
   std::size_t copied_bytes = 0;

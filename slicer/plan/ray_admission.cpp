@@ -46,6 +46,7 @@ MemoryPlan plan_of(const PlacedObject& object, const SeenSurface& seen) {
   return plan_memory(object.read_points, object.grid, object.threads,
                      {.views = object.cloud.views.count,
                       .confidence = object.confidence,
+                      .grey = object.grey,
                       .ray_points = object.cloud.size,
                       .yield = yield});
 }
@@ -70,11 +71,13 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
   planned_bytes[static_cast<std::size_t>(Stage::kRays)] += arena.used() - kept - ray_points_bytes(object.cloud.size);
   // A refusal counts only surface that the scan has seen.
   const RayYield sure = yield_of(object, kSureShare * (seen.entering + seen.exiting));
+  const std::uint32_t rays = rays_for(object.grey);
   const std::size_t shooting = arena.used() + object.threads * ray_worker_bytes(tile_capacity(object.cloud.size)) +
-                               store_bytes(object.grid, sure);
-  const std::size_t sorting = store_bytes(object.grid, sure) + rrep_bytes(object.grid, sure) +
-                              CrossingStore::row_room_bytes(object.grid) + kept;
-  const std::size_t printing = kept + rrep_bytes(object.grid, sure) + layers_stage_bytes(object.grid, 0);
+                               rays * store_bytes(object.grid, sure);
+  const std::size_t store = store_bytes(object.grid, sure), sorted = rrep_bytes(object.grid, sure);
+  const std::size_t sorting =
+      store + (rays - 1) * std::max(store, sorted) + sorted + CrossingStore::row_room_bytes(object.grid) + kept;
+  const std::size_t printing = kept + rays * sorted + layers_stage_bytes(object.grid, 0, object.grey);
   const std::size_t need = std::max({shooting, sorting, printing});
   if (need <= arena.capacity()) return {};
   return telling(

@@ -6,6 +6,7 @@
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
+#include "slicer/core/grey_runs.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/progress.hpp"
 
@@ -16,6 +17,7 @@ struct PlacedObject {
   const Cloud& cloud;             ///< mm
   std::uint32_t read_points = 0;  ///< points of the cloud after reading, for which its room was taken
   PrintGrid grid;
+  Grey grey = Grey::kOff;   ///< SliceSettings::grey
   bool confidence = false;  ///< SliceSettings::confidence
   std::uint32_t threads = 1;
   bool is_joined = true;  ///< join_points() has run

@@ -122,8 +122,8 @@ bool RayLattice::points_agree(const Square& square) {
     const float x = p.position[0];
     const float y = p.position[1];
     if (x < low_x || x > high_x || y < low_y || y > high_y) continue;
-    const float c = x / grid.pitch_x_mm - 0.5F - first_c;
-    const float r = y / grid.pitch_y_mm - 0.5F - first_r;
+    const float c = x / grid.pitch_x_mm - grid.ray_x - first_c;
+    const float r = y / grid.pitch_y_mm - grid.ray_y - first_r;
     const float slope = p.slope;
     const float limit = kOnSheet * p.radius / std::max(std::abs(slope), kSteep);
     bool on_sheet = false;

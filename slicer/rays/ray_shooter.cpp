@@ -1,32 +1,24 @@
 #include "slicer/rays/ray_shooter.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 
-#include "slicer/core/loop_progress.hpp"
 #include "slicer/rays/ray_lattice.hpp"
+#include "slicer/rays/tile_loop.hpp"
 
 namespace plumbline::inline slicer {
 namespace {
 
-/// Takes the heights of the crossings of one ray. Neighbours with no sampling height between them cancel in pairs.
+/// Takes the heights of the crossings of one ray.
 /// @param evidence  out, of each crossing that is left; room for RayClassifier::kMaxCrossings
 /// @returns how many are left
 std::uint32_t take_heights(std::span<const RayCrossing> crossings, const PrintGrid& grid, CrossingHeight* out,
                            Evidence* evidence) {
   std::uint32_t count = 0;
   for (const RayCrossing& crossing : crossings) {
-    const CrossingHeight height = height_of(crossing.depth, grid);
-    if (count > 0 && out[count - 1].layer() == height.layer()) {
-      --count;
-    } else {
-      evidence[count] = crossing.evidence;
-      out[count++] = height;
-    }
+    evidence[count] = crossing.evidence;
+    add_height(height_of(crossing.depth, grid), out, count);
   }
-  // A crossing above the last sampling height has no effect.
-  if (count > 0 && out[count - 1].layer() >= grid.layers) --count;
+  end_heights(grid, out, count);
   return count;
 }
 
@@ -37,8 +29,6 @@ struct Worker {
   std::span<CrossingHeight> heights;
   RayCounts counts;
 };
-
-constexpr std::size_t kMostHeights = std::size_t{kRaysPerTile} * RayClassifier::kMaxCrossings;  ///< of a tile
 
 Status shoot_tile(const RayField& field, const Box3f& bounds, std::uint32_t tile, Worker& worker,
                   ConfidenceMap* confidence, CrossingStore& store) {
@@ -65,7 +55,7 @@ Status shoot_tile(const RayField& field, const Box3f& bounds, std::uint32_t tile
     total.interpolated += lattice.interpolated();
   }
   std::array<std::uint8_t, kRaysPerTile> counts{};
-  std::array<Evidence, RayClassifier::kMaxCrossings> evidence{};
+  std::array<Evidence, RayClassifier::kMaxCrossings + 1> evidence{};
   std::uint32_t used = 0;
   for (std::uint32_t r = 0; r < rows; ++r) {
     for (std::uint32_t c = 0; c < columns; ++c) {
@@ -110,28 +100,9 @@ Expected<CrossingStore> shoot_all_rays(const RayField& field, float tolerance, C
   Box3f bounds = field.cloud->bounds();
   bounds.low -= Vec3f::Constant(std::max(field.widths.usual, field.widths.widest));
   bounds.high += Vec3f::Constant(std::max(field.widths.usual, field.widths.widest));
-  // One thread shoots all tiles that share a column's winding numbers.
-  constexpr std::uint32_t kSide = RayClassifier::kColumnTiles;
-  const std::uint32_t across = (store->tile_columns() + kSide - 1) / kSide;
-  const std::uint32_t columns = across * ((store->tile_rows() + kSide - 1) / kSide);
-  LoopProgress loop(progress, columns * kSide * kSide);
-  Status status;
-#pragma omp parallel for schedule(dynamic, 2) num_threads(static_cast <int>(threads))
-  for (std::uint32_t column = 0; column < columns; ++column) {
-    Worker& worker = (*workers)[static_cast<std::size_t>(omp_get_thread_num())];
-    for (std::uint32_t t = 0; t < kSide * kSide && loop.step(column * kSide * kSide + t); ++t) {
-      const std::uint32_t x = column % across * kSide + t % kSide;
-      const std::uint32_t y = column / across * kSide + t / kSide;
-      if (x >= store->tile_columns() || y >= store->tile_rows()) continue;
-      const Status stored = shoot_tile(field, bounds, y * store->tile_columns() + x, worker, confidence, *store);
-      if (stored) continue;
-#pragma omp critical
-      status = stored;
-      loop.stop();
-    }
-  }
-  PLUMBLINE_TRY(status);
-  if (loop.stopped()) return fail(ErrorCode::kCancelled, "cancelled while shooting rays");
+  PLUMBLINE_TRY(for_each_tile(*store, threads, progress, [&](std::uint32_t tile, std::size_t thread) {
+    return shoot_tile(field, bounds, tile, (*workers)[thread], confidence, *store);
+  }));
   for (const Worker& worker : *workers) {
     counts.thinned_tiles += worker.counts.thinned_tiles;
     counts.guided += worker.counts.guided;

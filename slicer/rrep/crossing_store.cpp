@@ -68,26 +68,77 @@ StoredHeights CrossingStore::ray(std::uint32_t column, std::uint32_t row) const 
   return {data_.subspan(at + kRaysPerTile / 2 + before, counts[number]), part_bits_};
 }
 
+bool CrossingStore::rays_around(std::uint32_t tile, RaysAround& rays) const {
+  rays.fill({});
+  const auto x = static_cast<std::int64_t>(tile % tile_columns_), y = static_cast<std::int64_t>(tile / tile_columns_);
+  bool any = false;
+  for (std::int64_t dy = -1; dy <= 1; ++dy) {
+    for (std::int64_t dx = -1; dx <= 1; ++dx) {
+      if (x + dx < 0 || x + dx >= tile_columns_ || y + dy < 0 || y + dy >= tile_rows_) continue;
+      const std::uint32_t at = directory_[static_cast<std::size_t>((y + dy) * tile_columns_ + x + dx)];
+      if (at == kEmpty) continue;
+      const auto* const counts = reinterpret_cast<const std::uint8_t*>(&data_[at]);
+      std::size_t begin = at + kRaysPerTile / 2;
+      for (std::uint32_t i = 0; i < kRaysPerTile; begin += counts[i++]) {
+        const std::int64_t c = dx * kTileSide + i % kTileSide + 1, r = dy * kTileSide + i / kTileSide + 1;
+        if (counts[i] == 0 || c < 0 || c >= kAroundSide || r < 0 || r >= kAroundSide) continue;
+        rays[static_cast<std::size_t>(r * kAroundSide + c)] = {data_.subspan(begin, counts[i]), part_bits_};
+        any = true;
+      }
+    }
+  }
+  return any;
+}
+
+void CrossingStore::move_by(std::ptrdiff_t bytes) {
+  const auto moved = [bytes]<class T>(std::span<T> block) {
+    return std::span<T>(reinterpret_cast<T*>(reinterpret_cast<std::byte*>(block.data()) + bytes), block.size());
+  };
+  directory_ = moved(directory_);
+  data_ = moved(data_);
+  bottom_mark_ += static_cast<std::size_t>(bytes);
+}
+
+void CrossingStore::put_last(CrossingStore& first, std::span<CrossingStore> others, const Arena& arena) {
+  auto* const begin = reinterpret_cast<std::byte*>(first.directory_.data());
+  const std::size_t own = others.front().bottom_mark_ - first.bottom_mark_;
+  const std::size_t all = arena.bottom_mark() - first.bottom_mark_;
+  std::rotate(begin, begin + own, begin + all);
+  first.move_by(static_cast<std::ptrdiff_t>(all - own));
+  for (CrossingStore& other : others) other.move_by(-static_cast<std::ptrdiff_t>(own));
+}
+
 std::uint32_t CrossingStore::crossings() const {
   const auto empty = static_cast<std::size_t>(std::count(directory_.begin(), directory_.end(), kEmpty));
   return used_ - static_cast<std::uint32_t>((directory_.size() - empty) * kRaysPerTile / 2);
 }
 
+Status CrossingStore::move_to_top(Arena& arena) {
+  std::span<std::uint16_t> data;
+  std::span<std::uint32_t> directory;
+  const std::size_t mark = arena.top_mark();
+  PLUMBLINE_TRY(arena.take_top(data, used_, "R-Rep"));
+  if (const auto taken = arena.take_top(directory, directory_.size(), "R-Rep"); !taken) {
+    arena.release_top(mark);
+    return taken;
+  }
+  std::copy_n(data_.begin(), used_, data.begin());
+  std::ranges::copy(directory_, directory.begin());
+  data_ = data;
+  directory_ = directory;
+  is_at_top_ = true;
+  arena.release_bottom(bottom_mark_);
+  return {};
+}
+
 Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = store.grid_;
-  // The R-Rep stays until the print ends, so it belongs at the bottom: move the store out of its way.
-  std::span<std::uint16_t> data;
-  std::span<std::uint32_t> directory, first, packed;
-  PLUMBLINE_TRY(arena.take_top(data, store.used_, "R-Rep"));
-  PLUMBLINE_TRY(arena.take_top(directory, store.directory_.size(), "R-Rep"));
+  // The R-Rep stays until the print ends, so it belongs at the bottom: the store goes out of its way.
+  if (!store.is_at_top_) PLUMBLINE_TRY(store.move_to_top(arena));
+  std::span<std::uint32_t> first, packed;
   const auto room = store.take_row_room(arena);
   PLUMBLINE_TRY(room);
-  std::copy_n(store.data_.begin(), store.used_, data.begin());
-  std::copy(store.directory_.begin(), store.directory_.end(), directory.begin());
-  store.data_ = data;
-  store.directory_ = directory;
-  arena.release_bottom(store.bottom_mark_);
 
   PLUMBLINE_TRY(arena.take_bottom(first, std::size_t{grid.layers} + 1, "R-Rep"));
   std::fill(first.begin(), first.end(), 0);

@@ -2,6 +2,7 @@
 /// Collects the crossings of all rays and sorts them into the R-Rep.
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -32,6 +33,10 @@ class StoredHeights {
   std::uint32_t layer(std::size_t i) const { return static_cast<std::uint32_t>(heights_[i]) >> part_bits_; }
   std::uint32_t part(std::size_t i) const {
     return CrossingHeight::part_of(heights_[i] % (1U << part_bits_), part_bits_);
+  }
+  /// In parts of a layer, CrossingHeight::kParts.
+  std::int32_t parts(std::size_t i) const {
+    return static_cast<std::int32_t>(layer(i) * CrossingHeight::kParts + part(i));
   }
 
  private:
@@ -105,6 +110,13 @@ class CrossingStore {
   /// The crossings of the ray of a pixel.
   StoredHeights ray(std::uint32_t column, std::uint32_t row) const;
 
+  /// Rays of a tile and those around it: one more on each side.
+  static constexpr std::uint32_t kAroundSide = kTileSide + 2;
+  using RaysAround = std::array<StoredHeights, kAroundSide * kAroundSide>;
+  /// @param rays  out, row by row from the ray above the first and left of it; empty beyond the grid
+  /// @returns whether any has a crossing
+  bool rays_around(std::uint32_t tile, RaysAround& rays) const;
+
   std::size_t bytes() const { return directory_.size_bytes() + std::size_t{used_} * sizeof(std::uint16_t); }
   std::uint32_t crossings() const;  ///< of all rays
 
@@ -112,7 +124,14 @@ class CrossingStore {
   /// @retval ErrorCode::kOutOfMemory  only in an arena that refuses a block
   [[nodiscard]] Status close(Arena& arena) { return arena.take_bottom(data_, used_, "R-Rep"); }
 
-  /// Sorts all crossings by layer, into the R-Rep at the bottom of the arena. The store moves to the top first, so release
+  /// Lets the first of the newest blocks at the bottom of the arena be the last: the stores after it move down.
+  /// @param first   a store at the bottom
+  /// @param others  all that was taken since, in their order
+  static void put_last(CrossingStore& first, std::span<CrossingStore> others, const Arena& arena);
+  /// Moves the store from the bottom of the arena, where it must be the newest block, to the top.
+  /// @retval ErrorCode::kOutOfMemory  there is no room for two of it; it is unchanged
+  [[nodiscard]] Status move_to_top(Arena& arena);
+  /// Sorts all crossings by layer, into the R-Rep at the bottom of the arena. The store moves to the top first if it is not there, so release
   /// all else there before. It also counts section_pixels().
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<RRep> sort(CrossingStore& store, Arena& arena);
@@ -120,10 +139,13 @@ class CrossingStore {
   std::uint64_t section_pixels() const { return section_pixels_; }
 
  private:
+  void move_by(std::ptrdiff_t bytes);
+
   PrintGrid grid_;
   std::uint32_t tile_columns_ = 0;
   std::uint32_t tile_rows_ = 0;
   std::size_t bottom_mark_ = 0;
+  bool is_at_top_ = false;
   std::span<std::uint32_t> directory_;  ///< where each tile begins, in units of 2 bytes
   std::span<std::uint16_t> data_;
   std::uint32_t used_ = 0;  ///< of data_

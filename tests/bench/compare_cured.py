@@ -142,6 +142,9 @@ def main():
             show(name, "ours, grey", print_it(build, mesh, boards[0, True], folder, "--grey", "vertical"))
             show(name, "ours, grey, outlines -.02 mm", print_it(build, mesh, boards[0, True], folder, "--grey", "vertical", "--absolute-correction", "-0.02"))
             show(name, "ours, grey, exchange 1", print_it(build, mesh, boards[1, True], folder, "--grey", "vertical"))
+            show(name, "ours, full grey", print_it(build, mesh, boards[0, True], folder, "--grey", "full"))
+            show(name, "ours, full grey, outlines -.02 mm", print_it(build, mesh, boards[0, True], folder, "--grey", "full", "--absolute-correction", "-0.02"))
+            show(name, "ours, full grey, exchange 1", print_it(build, mesh, boards[1, True], folder, "--grey", "full"))
 
 
 if __name__ == "__main__":

@@ -218,7 +218,7 @@ TEST(Slice, RefusesBeforeItsRaysAnObjectWhoseMasksCouldNotBeChecked) {
   // The R-Rep would fit, even beside the store that it is sorted from.
   const auto crossings = static_cast<double>(ample.rrep().crossings());
   const RayYield yield{0, 0.87 * crossings};
-  const std::size_t checking = layers_stage_bytes(ample.grid(), 0);
+  const std::size_t checking = layers_stage_bytes(ample.grid(), 0, Grey::kOff);
   ASSERT_GT(checking, store_bytes(ample.grid(), {600 * 600, 1.1 * crossings}));
   ArenaBlock arena(kept_bytes(ample.report().cloud_points, 0, false) + rrep_bytes(ample.grid(), yield) + checking);
   MemorySource source(scan, "storeys.ply");

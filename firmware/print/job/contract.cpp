@@ -109,6 +109,7 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
   contract.cure_depth = cure_depth(profile, light, plan->exposure);
   contract.first_cure_depth = cure_depth(profile, light, plan->initial_exposure);
   contract.is_archive = subject.is_archive;
+  contract.kind = contract.plan.grey.is_known() ? shown_grey(profile, machine) : Grey::kOff;
   contract.grey = subject.grey;
   const bool too_short = plan->grey_exposures > 0 && grey_exposures_of(*plan, plan->layers - 1) == 0;
   contract.shows_grey = machine.panel.grey.has_grey() && !too_short;
@@ -137,7 +138,7 @@ void write_contract(JsonWriter& json, const Contract& contract) {
   json.member("grey_percent", thousandths(100 * contract.grey));
   json.member("grey_lost_percent", thousandths(100 * contract.grey_lost));
   json.member("shows_grey", contract.shows_grey);
-  json.member("grey", kGreyWords[contract.plan.grey.is_known() ? 1 : 0]);
+  json.member("grey", kGreyWords[static_cast<std::size_t>(contract.kind)]);
   json.member("resin_ml", thousandths(contract.resin_ml));
   json.member("time_s", contract.time);
   constexpr double kDigits = 1e6;

@@ -44,6 +44,7 @@ struct Contract {
   std::array<double, 3> rotation_deg{};               ///< about x, then y, then z: as it was asked for
   bool best_way_up = false;                           ///< the printer has looked for the rotation
   SizeCorrections sizes;                              ///< of a scan; the plan's lengths are the machine's
+  Grey kind = Grey::kOff;                             ///< of the grey pixels of a scan's masks
   double grey = 0;                                    ///< share of an archive's pixels above black that are not white,
   double grey_lost = 0;                               ///< and of those that become black; 0 if the panel shows grey
   PointProof proof;                                   ///< of a scan

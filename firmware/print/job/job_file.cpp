@@ -24,8 +24,10 @@ struct JobHeader {
   std::uint64_t facts_bytes = sizeof(JobFacts);
   std::uint64_t crossings = 0;
   std::uint64_t supports = 0;
-  std::uint64_t is_exact = 0;  ///< RRep::is_exact
-  std::uint64_t archive = 0;   ///< layers of it; 0: there is none
+  std::uint64_t is_exact = 0;                                         ///< RRep::is_exact
+  std::uint64_t archive = 0;                                          ///< layers of it; 0: there is none
+  std::uint64_t rays = 1;                                             ///< of each pixel
+  std::array<std::uint64_t, kRaysPerPixel - 1> other_crossings = {};  ///< of RRep::others
   PrintGrid grid;
 };
 static_assert(std::is_trivially_copyable_v<JobFacts> && std::is_trivially_copyable_v<JobHeader>);
@@ -67,7 +69,9 @@ Status check(const JobHeader& header, const char* path) {
   // The arena refuses sizes that exceed it; this refuses those that overflow a 32-bit size_t.
   constexpr std::uint64_t kMost = std::numeric_limits<std::size_t>::max() / sizeof(Strut);
   const bool sizes = header.crossings <= kMost && header.supports <= kMost &&
-                     (header.archive == 0 || header.archive == header.grid.layers);
+                     std::ranges::max(header.other_crossings) <= kMost &&
+                     (header.archive == 0 || header.archive == header.grid.layers) &&
+                     (header.rays == 1 || (header.rays == kRaysPerPixel && header.archive == 0));
   const bool layers = header.grid.layers > 0 && header.grid.layers <= PrintGrid::kMaxLayers;
   // A board file has .005 to 1 mm.
   const auto is_fine = [](float mm) { return mm >= 0.001F && mm <= 10; };
@@ -77,9 +81,34 @@ Status check(const JobHeader& header, const char* path) {
 }
 
 /// All parts of the file but its header and facts.
-std::array<std::span<const std::byte>, 4> bytes_of_parts(const MaskParts& parts) {
-  return {std::as_bytes(parts.rrep.first), std::as_bytes(parts.rrep.packed), std::as_bytes(parts.supports.list),
-          std::as_bytes(parts.archive)};
+std::array<std::span<const std::byte>, 4 + 2 * (kRaysPerPixel - 1)> bytes_of_parts(const MaskParts& parts) {
+  std::array<std::span<const std::byte>, 4 + 2 * (kRaysPerPixel - 1)> bytes = {
+      std::as_bytes(parts.rrep.first), std::as_bytes(parts.rrep.packed), std::as_bytes(parts.supports.list),
+      std::as_bytes(parts.archive)};
+  std::size_t at = 4;
+  for (const RRep& other : parts.rrep.other_rays()) {
+    bytes[at++] = std::as_bytes(other.first);
+    bytes[at++] = std::as_bytes(other.packed);
+  }
+  return bytes;
+}
+
+Expected<std::span<RRep>> read_other_rays(const Descriptor& file, const char* path, const JobHeader& header,
+                                          Arena& arena) {
+  const auto others = arena.take_bottom<RRep>(header.other_crossings.size(), "r-rep");
+  PLUMBLINE_TRY(others);
+  for (std::uint32_t i = 0; i < others->size(); ++i) {
+    const auto first = arena.take_bottom<std::uint32_t>(std::size_t{header.grid.layers} + 1, "r-rep");
+    PLUMBLINE_TRY(first);
+    const auto packed = arena.take_bottom<std::uint32_t>(static_cast<std::size_t>(header.other_crossings[i]), "r-rep");
+    PLUMBLINE_TRY(packed);
+    for (const auto part : {std::as_writable_bytes(*first), std::as_writable_bytes(*packed)}) {
+      if (!file.read_all(part)) return cannot_read_job(path);
+    }
+    (*others)[i] = {
+        .grid = with_ray(header.grid, i + 1), .first = *first, .packed = *packed, .is_exact = header.is_exact != 0};
+  }
+  return *others;
 }
 
 }  // namespace
@@ -124,6 +153,8 @@ bool write_job(const Descriptor& file, const JobFacts& facts, const MaskParts& p
   header.supports = parts.supports.list.size();
   header.is_exact = parts.rrep.is_exact ? 1 : 0;
   header.archive = parts.archive.size();
+  header.rays = 1 + parts.rrep.other_rays().size();
+  std::ranges::transform(parts.rrep.other_rays(), header.other_crossings.begin(), &RRep::crossings);
   header.grid = parts.rrep.grid;
   Hash64 all;
   const auto write = [&](std::span<const std::byte> part) {
@@ -154,12 +185,17 @@ Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& ar
   PLUMBLINE_TRY(supports);
   const auto archive = arena.take_bottom<ArchiveLayer>(static_cast<std::size_t>(header.archive), "layers");
   PLUMBLINE_TRY(archive);
-  for (const auto part :
-       {std::as_writable_bytes(*first), std::as_writable_bytes(*packed), std::as_writable_bytes(*supports),
-        std::as_writable_bytes(*archive), writable_bytes_of(job.hash)}) {
+  for (const auto part : {std::as_writable_bytes(*first), std::as_writable_bytes(*packed),
+                          std::as_writable_bytes(*supports), std::as_writable_bytes(*archive)}) {
     if (!file.read_all(part)) return cannot_read_job(path);
   }
   job.parts.rrep = {.grid = header.grid, .first = *first, .packed = *packed, .is_exact = header.is_exact != 0};
+  if (header.rays > 1) {
+    const auto others = read_other_rays(file, path, header, arena);
+    PLUMBLINE_TRY(others);
+    job.parts.rrep.others = others->data();
+  }
+  if (!file.read_all(writable_bytes_of(job.hash))) return cannot_read_job(path);
   job.parts.supports = {.list = *supports, .pitch = PixelPitch(header.grid)};
   job.parts.archive = *archive;
   Hash64 hash;

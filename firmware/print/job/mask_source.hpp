@@ -7,12 +7,12 @@
 #include <string>
 
 #include "firmware/archive/layer_archive.hpp"
-#include "firmware/slice/grey_masks.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/grey_runs.hpp"
 #include "slicer/core/print_grid.hpp"
+#include "slicer/supports/drawing/grey_masks.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 
 namespace plumbline::firmware {

@@ -1,7 +1,6 @@
 #pragma once
 /// Grey pixels where rays enter the object, so that undersides lie between the heights of layers.
 
-#include <array>
 #include <cstdint>
 
 #include "slicer/core/arena.hpp"
@@ -10,15 +9,10 @@
 #include "slicer/core/grey_runs.hpp"
 #include "slicer/core/resin/cure_model.hpp"
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/drawing/support_painter.hpp"
+#include "slicer/supports/drawing/changing_rays.hpp"
+#include "slicer/supports/drawing/support_cover.hpp"
 
 namespace plumbline::inline slicer {
-
-/// The least share of a layer's light with which the front of the cured resin lies `share` of a layer higher than with all of it, if the
-/// layers above are lit. Solves combined(g) = Ec for the dose of CureModel.
-/// @param share  0 to 1
-/// @returns 0 to 1, the same on every machine; 1 - share if the model is not known
-double grey_of(const CureModel& model, double layer_height_mm, double share);
 
 /// Finds the grey pixels of masks. A ray that enters at a height between two layers' gets the share of the lower layer's light that brings the
 /// front there. What faces up has none: light comes from below, so there a layer cures whole or not at all. Bottom and faded layers have
@@ -31,27 +25,31 @@ class VerticalGrey {
   /// @retval ErrorCode::kOutOfMemory  no room for bytes_needed() at the bottom of the arena
   [[nodiscard]] static Expected<VerticalGrey> create(const RRep& rrep, const Supports& supports, const CureModel& model,
                                                      double layer_height_mm, Arena& arena);
-  static std::size_t bytes_needed(const PrintGrid& grid, std::size_t supports);
+  static std::size_t bytes_needed(const PrintGrid& grid, std::size_t supports) {
+    return SupportCover::bytes_needed(grid, supports);
+  }
 
   /// @param section, mask  of the layer: MaskStream's, asked for it last. A grey pixel's bit is set if its surface is in the lower half of the layer
   /// @param greys          overwritten
   void find(std::uint32_t layer, ConstBitImage section, ConstBitImage mask, GreyRuns& greys);
 
  private:
-  VerticalGrey(const RRep& rrep, const CureModel& model, double layer_height_mm);
-  void draw_supports(std::uint32_t layer);
-  void clear_supports();
+  VerticalGrey(const RRep& rrep, const CureModel& model, double layer_height_mm, const SupportCover& supports)
+      : rrep_(&rrep),
+        first_(model.bottom_layers + model.faded_layers),
+        levels_(model, layer_height_mm),
+        supports_(supports) {}
 
   const RRep* rrep_;
-  CrossingPacking packing_;
   std::uint32_t first_;  ///< layer
-  std::array<std::uint8_t, CrossingHeight::kParts> levels_ =
-      {};                                  ///< by the part of a crossing's height; 0: no light, 255: all
-  std::uint32_t most_alone_ = kFullLevel;  ///< of a pixel that is to cure with the next layer's light only
-  bool has_supports_ = false;
-  SupportPainter painter_;
-  BitImage supports_;  ///< of the layer
-  BitImage drawn_;     ///< as SupportPainter::draw() says
+  EnteringLevels levels_;
+  SupportCover supports_;
 };
+
+/// Whether one of the four pixels beside one is white.
+inline bool has_white_beside(ConstBitImage mask, std::uint32_t column, std::uint32_t row) {
+  return (column > 0 && mask.at(column - 1, row)) || (column + 1 < mask.columns() && mask.at(column + 1, row)) ||
+         (row > 0 && mask.at(column, row - 1)) || (row + 1 < mask.rows() && mask.at(column, row + 1));
+}
 
 }  // namespace plumbline::inline slicer

@@ -12,6 +12,7 @@
 #include "firmware/archive/zip_writer.hpp"
 #include "firmware/child/archive_task.hpp"
 #include "firmware/pictures/png.hpp"
+#include "slicer/supports/drawing/grey_masks.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "tests/firmware/child/child_fixture.hpp"
 
@@ -23,10 +24,11 @@ using ::testing::HasSubstr;
 /// A real child's answer, and the memory it left.
 class AnswerCheck : public ChildTest {
  protected:
-  AnswerCheck() : child_(make(1)) {
+  explicit AnswerCheck(Grey grey = Grey::kOff) : child_(make(1)) {
     const std::string path = folder_ / "ball.ply";
     write_sphere_scan(path, 4000, 6);  // hangs over, so it needs supports
     request_ = request_of(path, 1, true);
+    request_.settings.grey = grey;
     EXPECT_EQ(run(child_, request_, path), 0);
     good_ = child_.answer();
     const auto used = child_.arena_block().first(static_cast<std::size_t>(good_.bottom_used));
@@ -40,9 +42,15 @@ class AnswerCheck : public ChildTest {
     Arena arena(child_.arena_block());
     const auto checked = check_answer(answer, request_, arena);
     PLUMBLINE_TRY(checked);
-    auto stream = MaskStream::create(checked->sliced.rrep, checked->sliced.supports, arena);
+    const RRep& rrep = checked->sliced.rrep;
+    EXPECT_EQ(rrep.other_rays().size() + 1, rays_for(request_.settings.grey));
+    auto stream = MaskStream::create(rrep, checked->sliced.supports, arena);
     PLUMBLINE_TRY(stream);
-    for (std::uint32_t layer = 0; layer < stream->grid().layers; ++layer) static_cast<void>(stream->mask(layer));
+    auto grey = GreyMasks::create(rrep, checked->sliced.supports, {}, 0.05, arena);
+    PLUMBLINE_TRY(grey);
+    for (std::uint32_t layer = 0; layer < stream->grid().layers; ++layer) {
+      static_cast<void>(grey->find(layer, *stream, stream->mask(layer)));
+    }
     return {};
   }
   void refuses(const char* words, const std::function<void(ScanAnswer&)>& change) const {
@@ -97,6 +105,26 @@ TEST_F(AnswerCheck, RefusesEveryNumberThatDoesNotAddUp) {
   refuses("remarks", [](ScanAnswer& a) { a.remarks = ScanAnswer::kMostRemarks + 1; });
   request_.settings.supports.reset();
   refuses("number of supports", [](ScanAnswer&) {});
+}
+
+class FullGreyAnswerCheck : public AnswerCheck {
+ protected:
+  FullGreyAnswerCheck() : AnswerCheck(Grey::kFull) {}
+};
+
+TEST_F(FullGreyAnswerCheck, RefusesRaysThatDoNotAddUp) {
+  ASSERT_EQ(good_.kind, ScanAnswer::kSliced);
+  EXPECT_TRUE(check(good_));
+  for (std::size_t i = 0; i < good_.other_rays.size(); ++i) {
+    refuses("places", [i](ScanAnswer& a) { a.other_rays[i].first_at += 2; });
+    refuses("places", [i](ScanAnswer& a) { a.other_rays[i].packed_at = ~std::uint64_t{3}; });
+    refuses("crossings", [i](ScanAnswer& a) { --a.other_rays[i].crossings; });
+    refuses("crossings", [i](ScanAnswer& a) { a.other_rays[i].first_at = a.other_rays[i].packed_at; });
+  }
+  const CrossingPacking packing({.columns = 403, .rows = 300});
+  EXPECT_FALSE(check(good_, [&](auto memory) {
+    at<std::uint32_t>(memory, good_.other_rays[2].packed_at)[0] = packing.packed(403 * 300);
+  }));
 }
 
 TEST_F(AnswerCheck, RefusesCrossingsAndSupportsOutsideTheGrid) {

@@ -178,17 +178,22 @@ class WrittenArchive(Program):
 
     def test_grey_layers_are_printed_as_those_of_the_scan(self):
         write_sphere(self.scan, points=10_000, radius=2)
-        part, same = self.dir / "part.sl1", ("--layer-height", 0.1, "--grey", "vertical")
+        shares = [self.grey_share_of_a_print(kind) for kind in ("vertical", "full")]
+        self.assertLess(1.4 * shares[0], shares[1], "pixels on the wall")
+
+    def grey_share_of_a_print(self, kind):
+        """Of the layers' pixels that are not black."""
+        part, same = self.dir / "part.sl1", ("--layer-height", 0.1, "--grey", kind)
         done = self.run_it("slice", self.scan, "-o", self.out, "--printer", SIM2K, "--no-preview", *same)
         self.assertIn("grey       where the object begins", done.stdout)
         self.run_it("slice", self.scan, "-o", part, "--printer", SIM2K, "--no-preview", *same)
         manifest = self.manifest()
-        self.assertEqual(manifest["grey"], "vertical")
+        self.assertEqual(manifest["grey"], kind)
         hashes = manifest["hashes"]["layers"]
         with zipfile.ZipFile(part) as archive:
             packed = [archive.read(name) for name in layers_of(archive)]
         self.assertEqual(len(packed), len(self.layers()))
-        found, depths = set(), []
+        found, depths, grey, lit = set(), [], 0, 0
         for k, name in enumerate(self.layers()):
             depth, lines = self.levels_of((self.out / "layers" / name).read_bytes())
             levels = set().union(*(line for line in lines if line.strip(b"\0"))) - {0, 255}
@@ -198,6 +203,8 @@ class WrittenArchive(Program):
                 self.assertEqual(f"{grey_layer_hash(1440, lines):016x}", hashes[k], name)
             found |= levels
             depths.append(depth)
+            lit += sum(len(line) - line.count(0) for line in lines)
+            grey += sum(len(line) - line.count(0) - line.count(255) for line in lines)
         self.assertGreater(len(found), 20)
         self.assertTrue(min(found) < 64 < 192 < max(found), found)
         self.assertEqual(set(depths), {1, 8})
@@ -205,6 +212,7 @@ class WrittenArchive(Program):
         self.assertEqual(self.hashes_of_print(part), hashes)
         for masks in (part, self.out):
             self.assertIn("found      no issues", self.run_it("check", masks, "--printer", SIM2K).stdout)
+        return grey / lit
 
     def test_grey_is_the_profile_s_unless_it_is_asked_for(self):
         write_sphere(self.scan, points=5_000, radius=3)
@@ -229,7 +237,7 @@ class WrittenArchive(Program):
         self.assertEqual(sliced(printer=black_and_white), off, "its panel can't show the profile's grey")
 
         def refused(*arguments):
-            return [self.run_it(*command, *arguments, "--grey", "vertical", status=1).stderr for command in (
+            return [self.run_it(*command, *arguments, "--grey", kind, status=1).stderr for kind in ("vertical", "full") for command in (
                 ("slice", self.scan, "-o", self.dir / "new"), ("print", self.scan))]  # fmt: skip
 
         for said in refused("--printer", black_and_white):

@@ -146,17 +146,25 @@ TEST(SliceJob, WritesGreyPixelsInMemoryThatItHasPlanned) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);
   auto settings = sphere_job(folder);
-  for (const bool has_supports : {false, true}) {
-    if (has_supports) settings.slice.supports = SupportSettings{};
+  for (const auto& [grey, has_supports] : {std::pair(Grey::kVertical, false), std::pair(Grey::kVertical, true),
+                                           std::pair(Grey::kFull, false), std::pair(Grey::kFull, true)}) {
+    settings.slice.supports = has_supports ? std::optional(SupportSettings{}) : std::nullopt;
     settings.grey = {};
+    settings.slice.grey = Grey::kOff;
     const auto without = run(settings);
     ASSERT_TRUE(without.has_value()) << without.error().message();
     settings.grey = {
         .penetration_mm = 0.12, .critical_dose = 3.2, .dose = 8.75, .bottom_dose = 105, .bottom_layers = 5};
+    settings.slice.grey = grey;
     const auto report = run(settings);
     ASSERT_TRUE(report.has_value()) << report.error().message();
-    expect_exact_plan(*report, Stage::kLayers);
-    EXPECT_EQ(report->cured_pixels, without->cured_pixels) << "grey pixels are those of the object";
+    for (const Stage stage : {Stage::kRRep, Stage::kLayers}) expect_exact_plan(*report, stage);
+    const auto cured = static_cast<double>(report->cured_pixels), before = static_cast<double>(without->cured_pixels);
+    EXPECT_NEAR(cured / before, 1,
+                grey != Grey::kFull ? 0
+                : has_supports      ? 0.03
+                                    : 1e-3)
+        << "grey pixels are those of the object";
     EXPECT_NE(report->hash, without->hash);
     const Decoded bottom = decode(layer_path(settings.output_path, 0));
     EXPECT_EQ(bottom.bit_depth, 1U);

@@ -71,6 +71,23 @@ TEST(RRepEdit, TrimsLayersThatOpeningEmpties) {
   EXPECT_TRUE(voxels.equals([&](auto c, auto r, auto k) { return block_on_it(c, r, k) || (c == 20 && r == 20); }));
 }
 
+TEST(RRepEdit, CutsLayersInPlace) {
+  Random random(17);
+  for (const EmptyLayers cut : {EmptyLayers{0, 0}, EmptyLayers{4, 0}, EmptyLayers{0, 5}, EmptyLayers{9, 3}}) {
+    std::vector<bool> on(std::size_t{kLayers} * kRows * kColumns);
+    for (auto&& voxel : on) voxel = random.below(3) == 0;
+    Voxels voxels([&](auto c, auto r, auto k) { return on[(std::size_t{k} * kRows + r) * kColumns + c]; });
+    const std::size_t used = voxels.block->used();
+    for (int again = 0; again < 2; ++again) cut_layers(voxels.rrep, cut);
+    EXPECT_EQ(voxels.block->used(), used);
+    EXPECT_EQ(voxels.rrep.grid.layers, kLayers - 2 * (cut.below + cut.above));
+    EXPECT_EQ(voxels.rrep.first.front(), 0U);
+    EXPECT_EQ(voxels.rrep.first.back(), voxels.rrep.crossings());
+    EXPECT_TRUE(voxels.equals(
+        [&](auto c, auto r, auto k) { return on[(std::size_t{k + 2 * cut.below} * kRows + r) * kColumns + c]; }));
+  }
+}
+
 TEST(RRepEdit, FindsTheLastLayerBelowManyEmptyOnes) {
   const Inside low = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 2}.has(c, r, k); };
   ASSERT_GT(kLayers, 20U) << "more than are looked at first";

@@ -92,6 +92,32 @@ TEST_F(JobStoreTest, LoadsAnInterruptedPrint) {
   EXPECT_EQ(JobStore::open(state())->progress()->last.next_layer, 1U);
 }
 
+TEST_F(JobStoreTest, LoadsAllRaysOfItsPixels) {
+  constexpr std::array<std::uint32_t, 4> kOtherFirst = {0, 1, 1, 2};
+  constexpr std::array<std::uint32_t, 2> kOtherPacked = {9, 11};
+  std::array<RRep, kRaysPerPixel - 1> others;
+  others.fill(small_rrep());
+  others[2].first = kOtherFirst;
+  others[2].packed = kOtherPacked;
+  RRep rrep = small_rrep();
+  rrep.others = others.data();
+  {
+    auto store = JobStore::open(state());
+    ASSERT_TRUE(store) << store.error().message();
+    ASSERT_TRUE(store->begin(facts(), {rrep, small_supports(), {}}));
+  }
+  const auto job = load();
+  ASSERT_TRUE(job) << job.error().message();
+  const RRep& found = job->job.parts.rrep;
+  EXPECT_THAT(found.packed, ElementsAreArray(kPacked));
+  EXPECT_THAT(job->job.parts.supports.list, ElementsAreArray(kSupports));
+  ASSERT_EQ(found.other_rays().size(), 3U);
+  EXPECT_THAT(found.others[1].packed, ElementsAreArray(kPacked));
+  EXPECT_THAT(found.others[2].first, ElementsAreArray(kOtherFirst));
+  EXPECT_THAT(found.others[2].packed, ElementsAreArray(kOtherPacked));
+  EXPECT_EQ(found.others[2].grid.ray_y, with_ray(rrep.grid, 3).ray_y);
+}
+
 TEST_F(JobStoreTest, IsEmptyWhenNewAndAfterThePrint) {
   {
     auto store = JobStore::open(state());

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "slicer/core/arena.hpp"
@@ -12,12 +13,14 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/resin/cure_model.hpp"
 #include "slicer/rrep/rrep.hpp"
+#include "slicer/supports/drawing/full_grey.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 #include "slicer/supports/drawing/vertical_grey.hpp"
 
-namespace plumbline::firmware {
+namespace plumbline::inline slicer {
 
+/// Those of FullGrey if each pixel has four rays, else those of VerticalGrey.
 class GreyMasks {
  public:
   /// Takes bytes_needed() from the bottom of the arena.
@@ -25,7 +28,8 @@ class GreyMasks {
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<GreyMasks> create(const RRep& rrep, const Supports& supports, const CureModel& model,
                                                   double layer_height_mm, Arena& arena);
-  static std::size_t bytes_needed(const PrintGrid& grid, std::size_t supports);
+  /// @param grey  0 bytes if it is off
+  static std::size_t bytes_needed(const PrintGrid& grid, std::size_t supports, Grey grey);
 
   /// @param mask  the stream's for `layer`, asked for last
   /// @returns the mask as it is printed and hashed: the bits of grey pixels follow their levels. A view, valid until the next call and
@@ -35,12 +39,12 @@ class GreyMasks {
   std::span<const GreyRun> greys() const { return greys_.runs(); }
 
  private:
-  GreyMasks(const VerticalGrey& finder, const GreyRuns& greys, BitImage image)
-      : finder_(finder), greys_(greys), image_(image) {}
+  GreyMasks(const GreyRuns& greys, BitImage image) : greys_(greys), image_(image) {}
 
-  VerticalGrey finder_;
+  std::optional<VerticalGrey> vertical_;  ///< one of these
+  std::optional<FullGrey> full_;
   GreyRuns greys_;
   BitImage image_;
 };
 
-}  // namespace plumbline::firmware
+}  // namespace plumbline::inline slicer

@@ -1,0 +1,76 @@
+#include "slicer/supports/drawing/changing_rays.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline::inline slicer {
+namespace {
+
+/// Room between a level that cures by itself and one that does not.
+constexpr double kMargin = 0.05;
+
+}  // namespace
+
+double grey_of(const CureModel& model, double layer_height_mm, double share) {
+  if (!model.is_known()) return 1 - share;
+  // Light in parts of E exp(-d / Dp), which a lit layer leaves at the front, d below its film: that of the layers above the grey one.
+  const double next = exponential(-layer_height_mm / model.penetration_mm);
+  const double above = next / (1 - next), largest = next;
+  const double rest = 1 - model.exchange;
+  const double all = 1 + rest * above;
+  const double needed = all * exponential(-share * layer_height_mm / model.penetration_mm);
+  // The grey layer's own light is the largest, or that of the one above it is.
+  const double as_largest = needed - rest * above;
+  if (as_largest >= largest || rest <= 0) return std::clamp(as_largest, 0.0, 1.0);
+  return std::clamp((needed - largest) / rest - above + largest, 0.0, 1.0);
+}
+
+EnteringLevels::EnteringLevels(const CureModel& model, double layer_height_mm) {
+  const double curing = model.is_known() ? model.critical_dose / model.dose * kFullLevel : kLeastCuringLevel;
+  // Whoever reads the mask from a file takes what is below kLeastCuringLevel for black.
+  least = static_cast<std::uint32_t>(
+      std::clamp(std::ceil(curing * (1 + kMargin)), double{kLeastCuringLevel}, double{kFullLevel}));
+  most_alone = static_cast<std::uint32_t>(curing * (1 - kMargin));
+  for (std::uint32_t part = 0; part < CrossingHeight::kParts; ++part) {
+    // In the upper half of its layer's range a crossing is above that layer's underside, in the lower half above that of the one below.
+    const double above = (part + 0.5) / CrossingHeight::kParts;
+    const double share = part < CrossingHeight::kUnderside ? above + 0.5 : above - 0.5;
+    by_part[part] = static_cast<std::uint8_t>(std::floor(grey_of(model, layer_height_mm, share) * kFullLevel + 0.5));
+    if (part >= CrossingHeight::kUnderside) by_part[part] = std::max(by_part[part], static_cast<std::uint8_t>(least));
+  }
+}
+
+ChangingRays::ChangingRays(const RRep& rrep, std::uint32_t layer, ConstBitImage section, const EnteringLevels& levels)
+    : columns_(rrep.grid.columns), packing_(rrep.grid), section_(section), levels_(&levels) {
+  const auto bucket = [&](std::uint32_t k) {
+    return k < rrep.grid.layers ? rrep.packed.subspan(rrep.first[k], rrep.first[k + 1] - rrep.first[k])
+                                : std::span<const std::uint32_t>();
+  };
+  own_ = bucket(layer);
+  above_ = bucket(layer + 1);
+}
+
+bool ChangingRays::next() {
+  while (!own_.empty() || !above_.empty()) {
+    const std::uint32_t own_pixel = own_.empty() ? kNone : packing_.pixel(own_.front());
+    const std::uint32_t above_pixel = above_.empty() ? kNone : packing_.pixel(above_.front());
+    pixel_ = std::min(own_pixel, above_pixel);
+    const bool in_own = own_pixel == pixel_, in_above = above_pixel == pixel_;
+    const std::uint32_t part = packing_.height(in_own ? own_.front() : above_.front(), 0).part();
+    if (in_own) own_ = own_.subspan(1);
+    if (in_above) above_ = above_.subspan(1);
+    is_lit_ = section_.at(pixel_ % columns_, pixel_ / columns_);
+    // A lit ray that changes in the next layer leaves there. If it has entered in this one, it is in no other, and stays white.
+    ends_ = is_lit_ && in_above;
+    level_ = is_lit_ ? kFullLevel : std::uint8_t{0};
+    if (ends_) return true;
+    // A lit ray that changes here has entered, and so will one that is not lit. Others have left here.
+    if (is_lit_ != in_own) continue;
+    if (is_lit_ == (part >= CrossingHeight::kUnderside)) level_ = levels_->by_part[part];
+    return true;
+  }
+  pixel_ = kNone;
+  return false;
+}
+
+}  // namespace plumbline::inline slicer
