@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <span>
 
 #include "slicer/rrep/mask_extent.hpp"
 #include "slicer/supports/drawing/vertical_grey.hpp"
 
 namespace plumbline::inline slicer {
 namespace {
+
+constexpr std::uint32_t kNone = UINT32_MAX;  ///< no pixel
 
 /// Pixels of a word that have both white and black ones in the 3 x 3 around them.
 std::uint64_t edges_of(ConstBitImage mask, std::uint32_t row, std::uint32_t word) {
@@ -30,19 +33,39 @@ std::uint64_t edges_of(ConstBitImage mask, std::uint32_t row, std::uint32_t word
 
 }  // namespace
 
+/// The crossings of one ray of each pixel in a layer and in the next one, of those that have not been looked at.
+struct FullGrey::Ray {
+  ConstBitImage section, mask;
+  std::span<const std::uint32_t> own, above;
+
+  std::uint32_t next(const CrossingPacking& packing) const {
+    return std::min(own.empty() ? kNone : packing.pixel(own.front()),
+                    above.empty() ? kNone : packing.pixel(above.front()));
+  }
+};
+
 /// What is known of a layer while it is looked through.
 struct FullGrey::Layer {
   bool is_grey = false;
   bool is_last = false;
-  std::array<ConstBitImage, kRaysPerPixel> masks;
-  std::array<std::optional<ChangingRays>, kRaysPerPixel> rays;  ///< not in bottom layers
-  std::uint32_t next = ChangingRays::kNone;                     ///< the least pixel of these
+  std::array<Ray, kRaysPerPixel> rays;
+  std::uint32_t next = kNone;  ///< the least pixel that is crossed
   BitImage image;
   GreyRuns* greys = nullptr;
 };
 
+/// Pixels of a word, as one of their rays sees them.
+struct FullGrey::Word {
+  std::uint64_t mask = 0;
+  std::uint64_t ends = 0;     ///< lit, and not in the next layer
+  std::uint64_t entered = 0;  ///< enter in the layer, or so little above it that the next one would be too high
+  std::uint64_t between = 0;  ///< of these, grey
+  std::array<std::uint8_t, 64> level;
+};
+
 FullGrey::FullGrey(const RRep& rrep, const CureModel& model, double layer_height_mm, const SupportCover& supports)
     : rrep_(&rrep),
+      packing_(rrep.grid),
       first_(model.bottom_layers + model.faded_layers),
       levels_(model, layer_height_mm),
       supports_(supports) {
@@ -71,51 +94,76 @@ Expected<FullGrey> FullGrey::create(const RRep& rrep, const Supports& supports, 
   return grey;
 }
 
-/// @param mixed  pixels that not all rays' masks agree on
-void FullGrey::find_in_word(Layer& layer, std::uint32_t row, std::uint32_t word, std::uint64_t mixed) {
+/// Takes the crossings of a ray that are before pixel `end`.
+FullGrey::Word FullGrey::take_word(Ray& ray, std::uint32_t row, std::uint32_t word, std::uint32_t begin,
+                                   std::uint32_t end) const {
+  Word found;
+  found.mask = ray.mask.row(row)[word];
+  if (ray.next(packing_) >= end) return found;
+  std::array<std::uint8_t, 64> own_part, above_part;
+  const auto take = [&](std::span<const std::uint32_t>& crossings, std::array<std::uint8_t, 64>& parts) {
+    std::uint64_t bits = 0;
+    std::size_t i = 0;
+    for (; i < crossings.size() && packing_.pixel(crossings[i]) < end; ++i) {
+      const std::uint32_t bit = packing_.pixel(crossings[i]) - begin;
+      bits |= std::uint64_t{1} << bit;
+      parts[bit] = static_cast<std::uint8_t>(packing_.height(crossings[i], 0).part());
+    }
+    crossings = crossings.subspan(i);
+    return bits;
+  };
+  const std::uint64_t own = take(ray.own, own_part), above = take(ray.above, above_part);
+  const std::uint64_t lit = ray.section.row(row)[word];
+  // A lit ray that changes in the next layer leaves there; if it has entered in this one, it is in no other, and stays white. A lit ray that changes here has
+  // entered, and so will one in the next layer that is not lit. Others have left here.
+  found.ends = lit & above;
+  found.entered = (lit & own & ~above) | (~lit & above & ~own);
+  // Opening, closing and supports may have changed the pixel.
+  for (std::uint64_t bits = found.entered & ~(lit ^ found.mask); bits != 0; bits &= bits - 1) {
+    const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
+    const bool is_lit = (lit >> bit & 1U) != 0;
+    const std::uint32_t part = is_lit ? own_part[bit] : above_part[bit];
+    if (is_lit != (part >= CrossingHeight::kUnderside)) continue;
+    found.level[bit] = levels_.by_part[part];
+    found.between |= plumbline::is_grey(found.level[bit]) ? std::uint64_t{1} << bit : 0;
+  }
+  return found;
+}
+
+void FullGrey::find_in_word(Layer& layer, std::uint32_t row, std::uint32_t word) {
   const std::uint32_t columns = rrep_->grid.columns;
   const std::uint32_t begin = row * columns + word * 64, end = begin + std::min(64U, columns - word * 64);
-  std::array<std::array<std::uint8_t, 64>, kRaysPerPixel> levels;
-  std::array<std::uint64_t, kRaysPerPixel> between = {}, ends = {};
-  std::uint64_t touched = mixed, entered = 0;
-  layer.next = ChangingRays::kNone;
-  for (std::size_t i = 0; layer.is_grey && i < kRaysPerPixel; ++i) {
-    ChangingRays& rays = *layer.rays[i];
-    for (; rays.pixel() < end; rays.next()) {
-      const std::uint32_t bit = rays.pixel() - begin;
-      if (rays.ends()) {
-        ends[i] |= std::uint64_t{1} << bit;
-        continue;
-      }
-      if (i == 0) entered |= std::uint64_t{1} << bit;
-      // Opening, closing and supports have changed the pixel, or its level is that of its bit.
-      if (layer.masks[i].at(word * 64 + bit, row) != rays.is_lit() || !plumbline::is_grey(rays.level())) continue;
-      between[i] |= std::uint64_t{1} << bit;
-      levels[i][bit] = rays.level();
-    }
-    touched |= between[i];
-    layer.next = std::min(layer.next, rays.pixel());
+  std::array<Word, kRaysPerPixel> words;
+  std::uint64_t any = 0, all = ~std::uint64_t{0}, touched = 0;
+  layer.next = kNone;
+  for (std::size_t i = 0; i < kRaysPerPixel; ++i) {
+    words[i] = take_word(layer.rays[i], row, word, begin, end);
+    any |= words[i].mask;
+    all &= words[i].mask;
+    touched |= words[i].between;
+    layer.next = std::min(layer.next, layer.rays[i].next(packing_));
   }
-  touched &= entered | edges_of(layer.masks[0], row, word);
+  touched |= any & ~all;
   touched &= ~supports_.word(row, word);
+  if (touched == 0) return;
+  touched &= words[0].entered | edges_of(layer.rays[0].mask, row, word);
   std::uint64_t white = 0, black = 0;
   for (; touched != 0; touched &= touched - 1) {
     const auto bit = static_cast<std::uint32_t>(std::countr_zero(touched));
-    const std::uint32_t column = word * 64 + bit;
     std::uint32_t sum = 0, lit = 0, ending = 0;
-    for (std::size_t i = 0; i < kRaysPerPixel; ++i) {
-      const bool is_lit = layer.masks[i].at(column, row);
-      lit += is_lit ? 1 : 0;
-      ending += is_lit && (ends[i] >> bit & 1U) != 0 ? 1 : 0;
-      const bool is_between = (between[i] >> bit & 1U) != 0;
-      sum += is_between ? levels[i][bit] : is_lit ? kFullLevel : 0U;
+    for (const Word& ray : words) {
+      const auto is_lit = static_cast<std::uint32_t>(ray.mask >> bit & 1U);
+      lit += is_lit;
+      ending += is_lit & static_cast<std::uint32_t>(ray.ends >> bit & 1U);
+      sum += (ray.between >> bit & 1U) != 0 ? ray.level[bit] : is_lit * kFullLevel;
     }
     std::uint32_t level = (sum + kRaysPerPixel / 2) / kRaysPerPixel;
     const bool is_top = 2 * ending > lit || (layer.is_last && lit > 0);
-    if (!layer.is_grey || (is_top && lit < kRaysPerPixel))
+    if (!layer.is_grey || (is_top && lit < kRaysPerPixel)) {
       level = 2 * sum >= kRaysPerPixel * kFullLevel ? kFullLevel : 0U;
-    const bool is_lit = layer.masks[0].at(column, row);
-    if (!is_lit && level > levels_.most_alone && !has_white_beside(layer.masks[0], column, row)) {
+    }
+    if (level > levels_.most_alone && (words[0].mask >> bit & 1U) == 0 &&
+        !has_white_beside(layer.rays[0].mask, word * 64 + bit, row)) {
       level = levels_.most_alone;
     }
     (level >= kLeastCuringLevel ? white : black) |= std::uint64_t{1} << bit;
@@ -132,23 +180,29 @@ void FullGrey::find(std::uint32_t layer, ConstBitImage section, ConstBitImage ma
   all.is_last = layer + 1 == rrep_->grid.layers;
   all.image = image;
   all.greys = &greys;
-  all.masks[0] = mask;
-  for (std::size_t i = 0; i < others_.size(); ++i) all.masks[i + 1] = others_[i]->mask(layer);
-  for (std::size_t i = 0; all.is_grey && i < kRaysPerPixel; ++i) {
-    all.rays[i].emplace(i == 0 ? *rrep_ : rrep_->others[i - 1], layer, i == 0 ? section : others_[i - 1]->section(),
-                        levels_);
-    all.rays[i]->next();
-    all.next = std::min(all.next, all.rays[i]->pixel());
+  for (std::size_t i = 0; i < kRaysPerPixel; ++i) {
+    Ray& ray = all.rays[i];
+    ray.mask = i == 0 ? mask : others_[i - 1]->mask(layer);
+    if (!all.is_grey) continue;
+    ray.section = i == 0 ? section : others_[i - 1]->section();
+    const RRep& rrep = i == 0 ? *rrep_ : rrep_->others[i - 1];
+    const auto bucket = [&](std::uint32_t k) {
+      return k < rrep.grid.layers ? rrep.packed.subspan(rrep.first[k], rrep.first[k + 1] - rrep.first[k])
+                                  : std::span<const std::uint32_t>();
+    };
+    ray.own = bucket(layer);
+    ray.above = bucket(layer + 1);
+    all.next = std::min(all.next, ray.next(packing_));
   }
   supports_.draw(layer);
   for (std::uint32_t row = top_; row < bottom_; ++row) {
-    const auto a = all.masks[0].row(row), b = all.masks[1].row(row), c = all.masks[2].row(row),
-               d = all.masks[3].row(row);
+    const auto a = all.rays[0].mask.row(row), b = all.rays[1].mask.row(row), c = all.rays[2].mask.row(row),
+               d = all.rays[3].mask.row(row);
     const std::uint32_t row_begin = row * rrep_->grid.columns;
     for (std::uint32_t word = left_; word < right_; ++word) {
       const std::uint64_t mixed = (a[word] | b[word] | c[word] | d[word]) & ~(a[word] & b[word] & c[word] & d[word]);
       if (mixed == 0 && all.next >= row_begin + word * 64 + 64) continue;
-      find_in_word(all, row, word, mixed);
+      find_in_word(all, row, word);
     }
   }
   supports_.clear();

@@ -12,7 +12,7 @@
 #include "slicer/core/resin/cure_model.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/drawing/changing_rays.hpp"
+#include "slicer/supports/drawing/entering_levels.hpp"
 #include "slicer/supports/drawing/support_cover.hpp"
 
 namespace plumbline::inline slicer {
@@ -40,10 +40,14 @@ class FullGrey {
  private:
   FullGrey(const RRep& rrep, const CureModel& model, double layer_height_mm, const SupportCover& supports);
 
+  struct Ray;
   struct Layer;
-  void find_in_word(Layer& layer, std::uint32_t row, std::uint32_t word, std::uint64_t mixed);
+  struct Word;
+  Word take_word(Ray& ray, std::uint32_t row, std::uint32_t word, std::uint32_t begin, std::uint32_t end) const;
+  void find_in_word(Layer& layer, std::uint32_t row, std::uint32_t word);
 
   const RRep* rrep_;
+  CrossingPacking packing_;
   std::uint32_t first_;  ///< layer
   EnteringLevels levels_;
   SupportCover supports_;

@@ -9,7 +9,7 @@
 #include "slicer/core/grey_runs.hpp"
 #include "slicer/core/resin/cure_model.hpp"
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/drawing/changing_rays.hpp"
+#include "slicer/supports/drawing/entering_levels.hpp"
 #include "slicer/supports/drawing/support_cover.hpp"
 
 namespace plumbline::inline slicer {
@@ -36,11 +36,13 @@ class VerticalGrey {
  private:
   VerticalGrey(const RRep& rrep, const CureModel& model, double layer_height_mm, const SupportCover& supports)
       : rrep_(&rrep),
+        packing_(rrep.grid),
         first_(model.bottom_layers + model.faded_layers),
         levels_(model, layer_height_mm),
         supports_(supports) {}
 
   const RRep* rrep_;
+  CrossingPacking packing_;
   std::uint32_t first_;  ///< layer
   EnteringLevels levels_;
   SupportCover supports_;

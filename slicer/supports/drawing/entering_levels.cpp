@@ -1,4 +1,4 @@
-#include "slicer/supports/drawing/changing_rays.hpp"
+#include "slicer/supports/drawing/entering_levels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,39 +38,6 @@ EnteringLevels::EnteringLevels(const CureModel& model, double layer_height_mm) {
     by_part[part] = static_cast<std::uint8_t>(std::floor(grey_of(model, layer_height_mm, share) * kFullLevel + 0.5));
     if (part >= CrossingHeight::kUnderside) by_part[part] = std::max(by_part[part], static_cast<std::uint8_t>(least));
   }
-}
-
-ChangingRays::ChangingRays(const RRep& rrep, std::uint32_t layer, ConstBitImage section, const EnteringLevels& levels)
-    : columns_(rrep.grid.columns), packing_(rrep.grid), section_(section), levels_(&levels) {
-  const auto bucket = [&](std::uint32_t k) {
-    return k < rrep.grid.layers ? rrep.packed.subspan(rrep.first[k], rrep.first[k + 1] - rrep.first[k])
-                                : std::span<const std::uint32_t>();
-  };
-  own_ = bucket(layer);
-  above_ = bucket(layer + 1);
-}
-
-bool ChangingRays::next() {
-  while (!own_.empty() || !above_.empty()) {
-    const std::uint32_t own_pixel = own_.empty() ? kNone : packing_.pixel(own_.front());
-    const std::uint32_t above_pixel = above_.empty() ? kNone : packing_.pixel(above_.front());
-    pixel_ = std::min(own_pixel, above_pixel);
-    const bool in_own = own_pixel == pixel_, in_above = above_pixel == pixel_;
-    const std::uint32_t part = packing_.height(in_own ? own_.front() : above_.front(), 0).part();
-    if (in_own) own_ = own_.subspan(1);
-    if (in_above) above_ = above_.subspan(1);
-    is_lit_ = section_.at(pixel_ % columns_, pixel_ / columns_);
-    // A lit ray that changes in the next layer leaves there. If it has entered in this one, it is in no other, and stays white.
-    ends_ = is_lit_ && in_above;
-    level_ = is_lit_ ? kFullLevel : std::uint8_t{0};
-    if (ends_) return true;
-    // A lit ray that changes here has entered, and so will one that is not lit. Others have left here.
-    if (is_lit_ != in_own) continue;
-    if (is_lit_ == (part >= CrossingHeight::kUnderside)) level_ = levels_->by_part[part];
-    return true;
-  }
-  pixel_ = kNone;
-  return false;
 }
 
 }  // namespace plumbline::inline slicer
