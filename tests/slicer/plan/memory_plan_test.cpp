@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "slicer/placement/placement.hpp"
+#include "slicer/supports/drawing/grey_masks.hpp"
+#include "slicer/supports/support_finder.hpp"
 #include "tests/slicer/reader/scan_fixture.hpp"
 #include "tests/slicer/support/admitted_cloud.hpp"
 #include "tests/slicer/support/arena_block.hpp"
@@ -54,6 +56,23 @@ TEST(MemoryPlan, NeedsMoreForMoreThreadsAndLargerPanels) {
   const MemoryPlan two = plan_memory(1000, panel(1440, 2560), 2);
   EXPECT_GT(two.bytes[rrep], two.bytes[rays]);
   EXPECT_EQ(two.bytes[rrep], plan_memory(1000, panel(1440, 2560), 1).bytes[rrep]);
+}
+
+TEST(MemoryPlan, KnowsOfGreyPixelsAndOfFourRays) {
+  const PrintGrid grid = panel(1440, 2560);
+  const auto with = [&](Grey grey) { return plan_memory(100000, grid, 1, {.grey = grey}); };
+  const MemoryPlan off = with(Grey::kOff), vertical = with(Grey::kVertical), full = with(Grey::kFull);
+  EXPECT_EQ(off.bytes, plan_memory(100000, grid, 1).bytes);
+  const std::size_t greys = GreyMasks::bytes_needed(grid, most_struts(grid), Grey::kVertical);
+  EXPECT_GT(greys, 2 * kMiB);
+  EXPECT_EQ(vertical.of(Stage::kLayers), off.of(Stage::kLayers) + greys);
+  EXPECT_EQ(vertical.of(Stage::kRays), off.of(Stage::kRays));
+  const RayYield half{0.5 * grid.columns * grid.rows, grid.columns * static_cast<double>(grid.rows)};
+  for (const Stage stage : {Stage::kSupports, Stage::kLayers}) {
+    EXPECT_GE(full.of(stage), off.of(stage) + 3 * rrep_bytes(grid, half)) << to_string(stage);
+  }
+  EXPECT_GE(full.of(Stage::kRays), off.of(Stage::kRays) + 3 * store_bytes(grid, half));
+  EXPECT_GE(full.of(Stage::kRRep), off.of(Stage::kRRep) + 3 * store_bytes(grid, half));
 }
 
 TEST(MemoryPlan, NamesTheStageOfItsPeak) {
