@@ -16,12 +16,16 @@ std::uint32_t most_layers(const PlacementSettings& placement) {
       std::max(1.0, whole_layers(placement.printer->travel_mm, placement.layer_height_mm)));
 }
 
-/// Corrects the other rays of each pixel for bleed, and lets them stand as ray 0 does.
+/// Corrects the other rays of each pixel for bleed, gives them ray 0's layers, and lets them stand as that does.
 /// @param rrep  with its supports
 Status follow(const RRep& rrep, const SupportCounts& counts, const CureModel& cure, Arena& arena) {
   for (RRep& other : rrep.other_rays()) {
     cut_layers(other, {.below = counts.sunk, .above = 0});
-    if (cure.is_known()) PLUMBLINE_TRY(correct_bleed(other, cure, counts.lifted, arena));
+    if (cure.is_known()) {
+      PLUMBLINE_TRY(correct_bleed(other, cure, counts.lifted, arena, counts.steps));
+    } else if (!counts.steps.all_one()) {
+      take_steps(other, counts.steps, counts.lifted);
+    }
     cut_layers(other, {.below = 0, .above = other.grid.layers + counts.lifted - rrep.grid.layers});
     if (counts.lifted > 0) PLUMBLINE_TRY(raise_object(other, counts.lifted, arena));
   }
@@ -47,6 +51,7 @@ Expected<Supports> add_supports(RRep& rrep, const SliceSettings& settings, Arena
     if (!settings.cure.is_known()) {
       take_steps(rrep, counts.steps, 0);
       report.object_pixels.reset();
+      PLUMBLINE_TRY(follow(rrep, counts, settings.cure, arena));
       return Supports{};
     }
     const auto corrected = correct_bleed(rrep, settings.cure, 0, arena, counts.steps);

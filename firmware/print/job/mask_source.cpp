@@ -27,9 +27,9 @@ Expected<StreamMasks> StreamMasks::create(const RRep& rrep, const Supports& supp
 Expected<ConstBitImage> StreamMasks::mask(std::uint32_t layer) {
   const LayerStep step = steps_.of(layer);
   const ConstBitImage mask = stream_.mask(step.sampled());
-  // Higher layers of an adaptive print are where surfaces are too steep for stairs.
-  has_greys_ = grey_.has_value() && step.step == 1 && layer >= first_grey_;
-  return has_greys_ ? grey_->find(step.first, stream_, mask) : mask;
+  // No ray enters in the middle of a higher layer of an adaptive print: those are where surfaces are too steep for stairs.
+  has_greys_ = grey_.has_value() && layer >= first_grey_;
+  return has_greys_ ? grey_->find(step.sampled(), stream_, mask) : mask;
 }
 
 Expected<ArchiveMasks> ArchiveMasks::create(int file, std::string_view name, const PrintGrid& grid,

@@ -185,6 +185,9 @@ Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& m
   plan.retract_speed2 = mm_per_min(profile.retract_speed2);
   plan.pause_lift = Distance::millimetres(profile.pause_lift_height);
   plan.grey = grey_model(profile, machine);
+  if (!steps.all_one()) {  // rays enter in layers of the least height
+    plan.grey.dose *= dose_factor((plan.layer_height - plan.exposed_height).millimetres(), plan.penetration_mm);
+  }
   if (plan.grey.is_known()) plan.grey_exposures = machine.panel.grey.exposures;
   plan.elephant_foot = Distance::millimetres(profile.elefant_foot_compensation);
   plan.highest = ZPosition(Distance::millimetres(machine.end_stop_height_mm - kEndStopClearanceMm));
