@@ -320,7 +320,7 @@ Expected<ShotObject> shoot_mesh(MeshFiles& files, const MeshSurvey& survey, cons
   if (rays_for(settings.grey) == 1) {
     return shoot_rays_of(files, survey, placement, placement.grid, settings, job, counts);
   }
-  std::array<CrossingStore, kRaysPerPixel - 1> others;
+  std::array<CrossingStore, kRaysAround> others;
   const auto planned = job.memory.planned_bytes;
   for (std::uint32_t i = 0; i < others.size(); ++i) {
     const ArenaScope pass(job.arena);

@@ -87,7 +87,7 @@ Expected<RRep> sort_all(ShotObject& shot, Arena& arena) {
   const ArenaScope scope(arena);
   // The newest block at the bottom goes first, and that at the top is sorted first: the R-Rep of ray 0 becomes the newest at the bottom.
   PLUMBLINE_TRY(shot.store.move_to_top(arena));
-  std::array<std::size_t, kRaysPerPixel - 1> marks = {};
+  std::array<std::size_t, kRaysAround> marks = {};
   for (std::size_t i = marks.size(); i-- > 0;) {
     marks[i] = arena.top_mark();
     PLUMBLINE_TRY(shot.others[i].move_to_top(arena));
@@ -189,7 +189,7 @@ Expected<ShotObject> shoot_rays(PlacedScan scan, const SliceSettings& settings, 
   if (!shot.has_others) return shot;
   for (std::uint32_t i = 0; i < shot.others.size(); ++i) {
     field.grid = with_ray(grid, i + 1);
-    const auto done = [](std::uint32_t rays) { return kFirstRay + (1 - kFirstRay) * rays / (kRaysPerPixel - 1); };
+    const auto done = [](std::uint32_t rays) { return kFirstRay + (1 - kFirstRay) * rays / kRaysAround; };
     const auto store =
         shoot_other_rays(field, shot.store, settings.threads, arena, progress.part(done(i), done(i + 1)));
     PLUMBLINE_TRY(store);
@@ -212,7 +212,7 @@ Expected<RRep> finish_rrep(ShotObject& shot, const SliceSettings& settings, cons
     const std::uint64_t outside = shot.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)];
     const RayYield yield{static_cast<double>(shot.rays.interested() - outside),
                          static_cast<double>(shot.store.crossings())};
-    const std::uint32_t rays = shot.has_others ? kRaysPerPixel : 1;
+    const std::uint32_t rays = shot.has_others ? (1 + kRaysAround) : 1;
     std::size_t others = 0;
     if (shot.has_others)
       for (const CrossingStore& store : shot.others) others += store.bytes();

@@ -17,7 +17,7 @@ namespace plumbline::inline slicer {
 struct ShotObject {
   CrossingStore store = {};  ///< at the bottom of the arena, its newest block
   /// Those of rays 1 to 3 of a pixel, below it in this order, if SliceSettings::grey is full.
-  std::array<CrossingStore, kRaysPerPixel - 1> others = {};
+  std::array<CrossingStore, kRaysAround> others = {};
   bool has_others = false;
   Placement placement = {};
   bool flat_underside = false;  ///< it stands on the base plane

@@ -49,7 +49,7 @@ struct ScanAnswer {
   struct Ray {
     std::uint64_t crossings = 0, first_at = 0, packed_at = 0;
   };
-  std::array<Ray, kRaysPerPixel - 1> other_rays{};  ///< RRep::others, if SliceSettings::grey is full
+  std::array<Ray, kRaysAround> other_rays{};  ///< RRep::others, if SliceSettings::grey is full
   std::uint64_t scan_hash = 0;
   StackFindings findings;
   PointProof proof;

@@ -15,7 +15,7 @@ namespace plumbline::inline slicer {
 /// that walls pass through.
 enum class Grey : std::uint8_t { kOff, kVertical, kFull };
 /// Of each pixel.
-constexpr std::uint32_t rays_for(Grey grey) { return grey == Grey::kFull ? kRaysPerPixel : 1; }
+constexpr std::uint32_t rays_for(Grey grey) { return grey == Grey::kFull ? 1 + kRaysAround : 1; }
 
 /// A stretch of pixels of one row that let some of the light through.
 struct GreyRun {

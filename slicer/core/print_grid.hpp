@@ -26,11 +26,13 @@ struct PrintGrid {
   static constexpr std::uint32_t kMaxLayers = 65535;
 };
 
-/// Rays of a pixel where one is not enough: a rotated grid, in which each has a row and a column of quarters of the pixel to itself.
-inline constexpr std::uint32_t kRaysPerPixel = 4;
-/// @param ray  0 to kRaysPerPixel - 1
+/// Rays around the middle one of a pixel, where that is not enough: a rotated grid, in which each has a row and a column of quarters of the pixel to
+/// itself.
+inline constexpr std::uint32_t kRaysAround = 4;
+/// @param ray  0: in the middle; 1 to kRaysAround
 constexpr PrintGrid with_ray(PrintGrid grid, std::uint32_t ray) {
-  constexpr float kPlaces[kRaysPerPixel][2] = {{0.375F, 0.125F}, {0.875F, 0.375F}, {0.125F, 0.625F}, {0.625F, 0.875F}};
+  constexpr float kPlaces[1 + kRaysAround][2] = {
+      {0.5F, 0.5F}, {0.375F, 0.125F}, {0.875F, 0.375F}, {0.125F, 0.625F}, {0.625F, 0.875F}};
   grid.ray_x = kPlaces[ray][0];
   grid.ray_y = kPlaces[ray][1];
   return grid;

@@ -48,8 +48,9 @@ std::size_t bounded(double bytes) {
   return bytes < static_cast<double>(kTooMuch) ? static_cast<std::size_t>(bytes) : kTooMuch;
 }
 
-RayYield expected_yield(const PrintGrid& grid, double crossings_per_ray) {
-  const double rays = kCoveredShare * grid.columns * grid.rows;
+/// @param rays_a_pixel  with several, the object is assumed to cover half as much: their crossings can't be spared
+RayYield expected_yield(const PrintGrid& grid, double crossings_per_ray, std::uint32_t rays_a_pixel) {
+  const double rays = kCoveredShare * grid.columns * grid.rows / (rays_a_pixel > 1 ? 2 : 1);
   return {rays, crossings_per_ray * rays};
 }
 
@@ -131,8 +132,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   if (grid) {
     // While rays are shot, points share the arena with the crossings, so more of these mean fewer points. Afterwards all points
     // are gone, and what the crossings need can't be spared.
-    store = rays * store_bytes(*grid, evidence.yield.value_or(expected_yield(*grid, kCrossingsPerRay)));
-    const RayYield yield = evidence.yield.value_or(expected_yield(*grid, kFewestCrossingsPerRay));
+    store = rays * store_bytes(*grid, evidence.yield.value_or(expected_yield(*grid, kCrossingsPerRay, rays)));
+    const RayYield yield = evidence.yield.value_or(expected_yield(*grid, kFewestCrossingsPerRay, rays));
     const std::size_t sorted = rays * rrep_bytes(*grid, yield);
     set(Stage::kRRep, kept + rrep_stage_bytes(*grid, store_bytes(*grid, yield), yield, rays));
     const std::uint32_t struts = most_struts(*grid);

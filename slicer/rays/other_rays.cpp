@@ -31,20 +31,24 @@ class Around {
  public:
   /// @param column, row  of the pixel in its tile
   Around(const CrossingStore::RaysAround& rays, std::uint32_t column, std::uint32_t row, Offset offset)
-      : own_(&rays[(row + 1) * kSide + column + 1]), offset_(offset), beside_(offset.x < 0 ? -1 : 1) {}
+      : own_(&rays[(row + 1) * kSide + column + 1]),
+        offset_(offset),
+        beside_(offset.x < 0 ? -1 : 1),
+        below_(offset.y < 0 ? -1 : 1) {}
 
   std::size_t crossings() const { return own_->size(); }
-  bool are_alike() const { return is_alike(beside_, 0) && is_alike(0, 1) && is_alike(beside_, 1); }
+  bool are_alike() const { return is_alike(beside_, 0) && is_alike(0, below_) && is_alike(beside_, below_); }
   bool is_smooth(std::size_t i) const {
     for (const int n : {0, 1}) {
-      if (bends(i, -1, n, 0, n, 1, n) || bends(i, n * beside_, -1, n * beside_, 0, n * beside_, 1)) return false;
+      const int row = n * below_;
+      if (bends(i, -1, row, 0, row, 1, row) || bends(i, n * beside_, -1, n * beside_, 0, n * beside_, 1)) return false;
     }
     return true;
   }
   CrossingHeight height(std::size_t i) const {
-    const std::int32_t x = std::abs(offset_.x), y = offset_.y;
-    const std::int32_t sum =
-        (8 - y) * ((8 - x) * z(i, 0, 0) + x * z(i, beside_, 0)) + y * ((8 - x) * z(i, 0, 1) + x * z(i, beside_, 1));
+    const std::int32_t x = std::abs(offset_.x), y = std::abs(offset_.y);
+    const std::int32_t sum = (8 - y) * ((8 - x) * z(i, 0, 0) + x * z(i, beside_, 0)) +
+                             y * ((8 - x) * z(i, 0, below_) + x * z(i, beside_, below_));
     const auto parts = static_cast<std::uint32_t>((sum + 32) / 64);
     return CrossingHeight(parts / CrossingHeight::kParts, parts % CrossingHeight::kParts);
   }
@@ -62,7 +66,7 @@ class Around {
 
   const StoredHeights* own_;
   Offset offset_;
-  int beside_;  ///< column of the rays on the other side
+  int beside_, below_;  ///< column and row of the rays on the other side
 };
 
 class OtherRays {

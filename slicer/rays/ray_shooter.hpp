@@ -39,7 +39,7 @@ std::size_t ray_worker_bytes(std::uint32_t tile_capacity);
 
 /// The crossings of another ray of each pixel. It is shot only where it may see something else than the rays around it: between four alike that lie on
 /// smooth sheets its crossings are interpolated.
-/// @param field  with that ray, with_ray() 1 to 3
+/// @param field  with that ray, with_ray() 1 to kRaysAround
 /// @param base   of ray 0, at the bottom of the arena
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<CrossingStore> shoot_other_rays(const RayField& field, const CrossingStore& base,

@@ -76,12 +76,12 @@ struct RRep {
   std::span<const std::uint32_t> first;   ///< layers + 1 entries
   std::span<const std::uint32_t> packed;  ///< by CrossingPacking; pixels ascend within a layer, none twice in one
   bool is_exact = false;                  ///< of a mesh: a layer's mask is its section, not opened and closed
-  /// The other rays of each pixel, with_ray() 1 to 3, if it has kRaysPerPixel: this is ray 0. They have the same layers, and less has been
+  /// The other rays of each pixel, with_ray() 1 to kRaysAround, if it has them: this is ray 0. They have the same layers, and less has been
   /// removed from them: what is not beside a pixel of this one's masks belongs to no mask.
   RRep* others = nullptr;
 
   std::size_t crossings() const { return packed.size(); }
-  std::span<RRep> other_rays() const { return {others, others == nullptr ? 0U : kRaysPerPixel - 1}; }
+  std::span<RRep> other_rays() const { return {others, others == nullptr ? 0U : kRaysAround}; }
 };
 
 }  // namespace plumbline::inline slicer

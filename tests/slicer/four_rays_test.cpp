@@ -41,7 +41,7 @@ TEST(FourRays, OfAScanEachMeetsTheSurface) {
   const std::string scan = binary_ply(sphere(100000, 10, {0, 0, 0}));
   const Slicing sliced(scan, with_four_rays(0.1F), 64 * kMiB);
   EXPECT_LT(off_sphere(sliced, sliced.rrep(), 10), 0.02);
-  ASSERT_EQ(sliced.rrep().other_rays().size(), 3U);
+  ASSERT_EQ(sliced.rrep().other_rays().size(), 4U);
   for (const RRep& other : sliced.rrep().other_rays()) {
     EXPECT_EQ(other.grid.layers, sliced.grid().layers);
     EXPECT_EQ(other.first.size(), sliced.grid().layers + 1U);
@@ -63,7 +63,7 @@ TEST(FourRays, AreTheSameForAnyNumberOfThreads) {
   settings.threads = 3;
   const Slicing three(scan, settings, 64 * kMiB);
   EXPECT_TRUE(std::ranges::equal(one.rrep().packed, three.rrep().packed));
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < kRaysAround; ++i) {
     EXPECT_TRUE(std::ranges::equal(one.rrep().others[i].first, three.rrep().others[i].first)) << i;
     EXPECT_TRUE(std::ranges::equal(one.rrep().others[i].packed, three.rrep().others[i].packed)) << i;
   }
@@ -84,7 +84,7 @@ TEST(FourRays, OfAMeshAreWhereTheyAreMeantToBe) {
     }
     return inside;
   };
-  ASSERT_EQ(box.rrep().other_rays().size(), 3U);
+  ASSERT_EQ(box.rrep().other_rays().size(), 4U);
   const auto entered = [](const RRep& rrep) { return rrep.first[1] - rrep.first[0]; };
   EXPECT_EQ(entered(box.rrep()), expected(box.rrep()));
   for (const RRep& other : box.rrep().other_rays()) EXPECT_EQ(entered(other), expected(other));

@@ -24,10 +24,10 @@ struct JobHeader {
   std::uint64_t facts_bytes = sizeof(JobFacts);
   std::uint64_t crossings = 0;
   std::uint64_t supports = 0;
-  std::uint64_t is_exact = 0;                                         ///< RRep::is_exact
-  std::uint64_t archive = 0;                                          ///< layers of it; 0: there is none
-  std::uint64_t rays = 1;                                             ///< of each pixel
-  std::array<std::uint64_t, kRaysPerPixel - 1> other_crossings = {};  ///< of RRep::others
+  std::uint64_t is_exact = 0;                                   ///< RRep::is_exact
+  std::uint64_t archive = 0;                                    ///< layers of it; 0: there is none
+  std::uint64_t rays = 1;                                       ///< of each pixel
+  std::array<std::uint64_t, kRaysAround> other_crossings = {};  ///< of RRep::others
   PrintGrid grid;
 };
 static_assert(std::is_trivially_copyable_v<JobFacts> && std::is_trivially_copyable_v<JobHeader>);
@@ -71,7 +71,7 @@ Status check(const JobHeader& header, const char* path) {
   const bool sizes = header.crossings <= kMost && header.supports <= kMost &&
                      std::ranges::max(header.other_crossings) <= kMost &&
                      (header.archive == 0 || header.archive == header.grid.layers) &&
-                     (header.rays == 1 || (header.rays == kRaysPerPixel && header.archive == 0));
+                     (header.rays == 1 || (header.rays == (1 + kRaysAround) && header.archive == 0));
   const bool layers = header.grid.layers > 0 && header.grid.layers <= PrintGrid::kMaxLayers;
   // A board file has .005 to 1 mm.
   const auto is_fine = [](float mm) { return mm >= 0.001F && mm <= 10; };
@@ -81,8 +81,8 @@ Status check(const JobHeader& header, const char* path) {
 }
 
 /// All parts of the file but its header and facts.
-std::array<std::span<const std::byte>, 4 + 2 * (kRaysPerPixel - 1)> bytes_of_parts(const MaskParts& parts) {
-  std::array<std::span<const std::byte>, 4 + 2 * (kRaysPerPixel - 1)> bytes = {
+std::array<std::span<const std::byte>, 4 + 2 * kRaysAround> bytes_of_parts(const MaskParts& parts) {
+  std::array<std::span<const std::byte>, 4 + 2 * kRaysAround> bytes = {
       std::as_bytes(parts.rrep.first), std::as_bytes(parts.rrep.packed), std::as_bytes(parts.supports.list),
       std::as_bytes(parts.archive)};
   std::size_t at = 4;

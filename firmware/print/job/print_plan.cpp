@@ -186,7 +186,13 @@ Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& m
   plan.pause_lift = Distance::millimetres(profile.pause_lift_height);
   plan.grey = grey_model(profile, machine);
   if (!steps.all_one()) {  // rays enter in layers of the least height
-    plan.grey.dose *= dose_factor((plan.layer_height - plan.exposed_height).millimetres(), plan.penetration_mm);
+    const auto dose = [&](Distance height) {
+      return plan.grey.dose * dose_factor((height - plan.exposed_height).millimetres(), plan.penetration_mm);
+    };
+    std::uint32_t most = 1;
+    for (const LayerSteps::Run& run : steps.runs()) most = std::max<std::uint32_t>(most, run.step);
+    plan.grey.most_dose = dose(plan.layer_height * std::int64_t{most});
+    plan.grey.dose = dose(plan.layer_height);
   }
   if (plan.grey.is_known()) plan.grey_exposures = machine.panel.grey.exposures;
   plan.elephant_foot = Distance::millimetres(profile.elefant_foot_compensation);

@@ -20,6 +20,7 @@ struct CureModel {
   double exchange = 0;        ///< of resin by a lift: 0 doses of layers add up, 1 only the largest counts
   double dose = 0;            ///< mJ/cm2, of a layer after the faded ones
   double bottom_dose = 0;     ///< mJ/cm2, of a bottom layer
+  double most_dose = 0;       ///< mJ/cm2, of the highest layers of an adaptive print; 0: `dose`
   std::uint32_t bottom_layers = 0, faded_layers = 0;  ///< of the print
   double layer_height_mm = 0;                         ///< of a layer that gets these doses; counts in adaptive prints
 

@@ -30,7 +30,8 @@ EnteringLevels::EnteringLevels(const CureModel& model, double layer_height_mm) {
   // Whoever reads the mask from a file takes what is below kLeastCuringLevel for black.
   least = static_cast<std::uint32_t>(
       std::clamp(std::ceil(curing * (1 + kMargin)), double{kLeastCuringLevel}, double{kFullLevel}));
-  most_alone = static_cast<std::uint32_t>(curing * (1 - kMargin));
+  const double least_curing = model.most_dose > model.dose ? curing * model.dose / model.most_dose : curing;
+  most_alone = static_cast<std::uint32_t>(least_curing * (1 - kMargin));
   for (std::uint32_t part = 0; part < CrossingHeight::kParts; ++part) {
     // In the upper half of its layer's range a crossing is above that layer's underside, in the lower half above that of the one below.
     const double above = (part + 0.5) / CrossingHeight::kParts;

@@ -48,7 +48,7 @@ struct FullGrey::Ray {
 struct FullGrey::Layer {
   bool is_grey = false;
   bool is_last = false;
-  std::array<Ray, kRaysPerPixel> rays;
+  std::array<Ray, 1 + kRaysAround> rays;
   std::uint32_t next = kNone;  ///< the least pixel that is crossed
   BitImage image;
   GreyRuns* greys = nullptr;
@@ -133,14 +133,14 @@ FullGrey::Word FullGrey::take_word(Ray& ray, std::uint32_t row, std::uint32_t wo
 void FullGrey::find_in_word(Layer& layer, std::uint32_t row, std::uint32_t word) {
   const std::uint32_t columns = rrep_->grid.columns;
   const std::uint32_t begin = row * columns + word * 64, end = begin + std::min(64U, columns - word * 64);
-  std::array<Word, kRaysPerPixel> words;
+  std::array<Word, 1 + kRaysAround> words;
   std::uint64_t any = 0, all = ~std::uint64_t{0}, touched = 0;
   layer.next = kNone;
-  for (std::size_t i = 0; i < kRaysPerPixel; ++i) {
+  for (std::size_t i = 0; i < 1 + kRaysAround; ++i) {
     words[i] = take_word(layer.rays[i], row, word, begin, end);
     any |= words[i].mask;
     all &= words[i].mask;
-    touched |= words[i].between;
+    touched |= i > 0 ? words[i].between : 0;
     layer.next = std::min(layer.next, layer.rays[i].next(packing_));
   }
   touched |= any & ~all;
@@ -151,19 +151,20 @@ void FullGrey::find_in_word(Layer& layer, std::uint32_t row, std::uint32_t word)
   for (; touched != 0; touched &= touched - 1) {
     const auto bit = static_cast<std::uint32_t>(std::countr_zero(touched));
     std::uint32_t sum = 0, lit = 0, ending = 0;
-    for (const Word& ray : words) {
+    for (const Word& ray : std::span(words).subspan(1)) {
       const auto is_lit = static_cast<std::uint32_t>(ray.mask >> bit & 1U);
       lit += is_lit;
       ending += is_lit & static_cast<std::uint32_t>(ray.ends >> bit & 1U);
       sum += (ray.between >> bit & 1U) != 0 ? ray.level[bit] : is_lit * kFullLevel;
     }
-    std::uint32_t level = (sum + kRaysPerPixel / 2) / kRaysPerPixel;
+    std::uint32_t level = (sum + kRaysAround / 2) / kRaysAround;
     const bool is_top = 2 * ending > lit || (layer.is_last && lit > 0);
-    if (!layer.is_grey || (is_top && lit < kRaysPerPixel)) {
-      level = 2 * sum >= kRaysPerPixel * kFullLevel ? kFullLevel : 0U;
-    }
-    if (level > levels_.most_alone && (words[0].mask >> bit & 1U) == 0 &&
-        !has_white_beside(layer.rays[0].mask, word * 64 + bit, row)) {
+    const bool is_checked = (words[0].mask >> bit & 1U) != 0;
+    if (!layer.is_grey || (is_top && lit < kRaysAround)) level = is_checked ? kFullLevel : 0U;
+    // What the checks have seen cures, and what cures in addition is beside it: so all hangs together as they have found.
+    if (is_checked) {
+      level = std::max(level, levels_.least);
+    } else if (level > levels_.most_alone && !has_white_beside(layer.rays[0].mask, word * 64 + bit, row)) {
       level = levels_.most_alone;
     }
     (level >= kLeastCuringLevel ? white : black) |= std::uint64_t{1} << bit;
@@ -180,7 +181,7 @@ void FullGrey::find(std::uint32_t layer, ConstBitImage section, ConstBitImage ma
   all.is_last = layer + 1 == rrep_->grid.layers;
   all.image = image;
   all.greys = &greys;
-  for (std::size_t i = 0; i < kRaysPerPixel; ++i) {
+  for (std::size_t i = 0; i < 1 + kRaysAround; ++i) {
     Ray& ray = all.rays[i];
     ray.mask = i == 0 ? mask : others_[i - 1]->mask(layer);
     if (!all.is_grey) continue;
@@ -196,11 +197,16 @@ void FullGrey::find(std::uint32_t layer, ConstBitImage section, ConstBitImage ma
   }
   supports_.draw(layer);
   for (std::uint32_t row = top_; row < bottom_; ++row) {
-    const auto a = all.rays[0].mask.row(row), b = all.rays[1].mask.row(row), c = all.rays[2].mask.row(row),
-               d = all.rays[3].mask.row(row);
+    std::array<std::span<const std::uint64_t>, 1 + kRaysAround> rows;
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = all.rays[i].mask.row(row);
     const std::uint32_t row_begin = row * rrep_->grid.columns;
     for (std::uint32_t word = left_; word < right_; ++word) {
-      const std::uint64_t mixed = (a[word] | b[word] | c[word] | d[word]) & ~(a[word] & b[word] & c[word] & d[word]);
+      std::uint64_t any = 0, every = ~std::uint64_t{0};
+      for (const auto& words : rows) {
+        any |= words[word];
+        every &= words[word];
+      }
+      const std::uint64_t mixed = any & ~every;
       if (mixed == 0 && all.next >= row_begin + word * 64 + 64) continue;
       find_in_word(all, row, word);
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// Grey pixels where a wall passes through them, and where rays enter the object: from the four rays of each pixel.
+/// Grey pixels where a wall passes through them, and where rays enter the object: from four rays around the middle one of each pixel.
 
 #include <array>
 #include <cstdint>
@@ -17,10 +17,11 @@
 
 namespace plumbline::inline slicer {
 
-/// Finds the grey pixels of masks. A pixel's level is the mean of its four rays': white or black as their masks say, and as in VerticalGrey where
+/// Finds the grey pixels of masks. A pixel's level is the mean of its four outer rays': white or black as their masks say, and as in VerticalGrey where
 /// a ray enters between two layers' heights. Only pixels are looked at that have both white and black ones in the 3 x 3 around them in ray 0's mask, or where ray 0
-/// enters: what was removed from that mask, such as specks, does not come back. Where more than half of a pixel's lit rays end, it is white if at least half of its rays
-/// are, else black: grey on tops makes skins that hang on nothing below. Supports are white, bottom and faded layers of one bit.
+/// enters: what was removed from that mask, such as specks, does not come back. Where more than half of a pixel's lit rays end, it is as ray 0's mask
+/// has it: grey on tops makes skins that hang on nothing below. A pixel of ray 0's mask cures by its own light, and one that is not in it and cures is beside one that
+/// is: what the checks of that mask have found holds. Supports are white, bottom and faded layers of one bit.
 class FullGrey {
  public:
   /// @param rrep, supports    of the print, with other_rays(); must outlive this
@@ -29,7 +30,7 @@ class FullGrey {
   [[nodiscard]] static Expected<FullGrey> create(const RRep& rrep, const Supports& supports, const CureModel& model,
                                                  double layer_height_mm, Arena& arena);
   static std::size_t bytes_needed(const PrintGrid& grid, std::size_t supports) {
-    return SupportCover::bytes_needed(grid, supports) + (kRaysPerPixel - 1) * LayerStream::bytes_needed(grid);
+    return SupportCover::bytes_needed(grid, supports) + kRaysAround * LayerStream::bytes_needed(grid);
   }
 
   /// @param section, mask  of the layer, of ray 0: MaskStream's, asked for it last
@@ -51,7 +52,7 @@ class FullGrey {
   std::uint32_t first_;  ///< layer
   EnteringLevels levels_;
   SupportCover supports_;
-  std::array<std::optional<LayerStream>, kRaysPerPixel - 1> others_;
+  std::array<std::optional<LayerStream>, kRaysAround> others_;
   std::uint32_t top_, bottom_, left_, right_;  ///< rows, and words of them, that the rays reach
 };
 

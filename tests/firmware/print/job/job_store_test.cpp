@@ -95,7 +95,7 @@ TEST_F(JobStoreTest, LoadsAnInterruptedPrint) {
 TEST_F(JobStoreTest, LoadsAllRaysOfItsPixels) {
   constexpr std::array<std::uint32_t, 4> kOtherFirst = {0, 1, 1, 2};
   constexpr std::array<std::uint32_t, 2> kOtherPacked = {9, 11};
-  std::array<RRep, kRaysPerPixel - 1> others;
+  std::array<RRep, kRaysAround> others;
   others.fill(small_rrep());
   others[2].first = kOtherFirst;
   others[2].packed = kOtherPacked;
@@ -111,7 +111,7 @@ TEST_F(JobStoreTest, LoadsAllRaysOfItsPixels) {
   const RRep& found = job->job.parts.rrep;
   EXPECT_THAT(found.packed, ElementsAreArray(kPacked));
   EXPECT_THAT(job->job.parts.supports.list, ElementsAreArray(kSupports));
-  ASSERT_EQ(found.other_rays().size(), 3U);
+  ASSERT_EQ(found.other_rays().size(), 4U);
   EXPECT_THAT(found.others[1].packed, ElementsAreArray(kPacked));
   EXPECT_THAT(found.others[2].first, ElementsAreArray(kOtherFirst));
   EXPECT_THAT(found.others[2].packed, ElementsAreArray(kOtherPacked));

@@ -88,7 +88,7 @@ class Object {
   PrintGrid grid_{.columns = kColumns, .rows = kRows, .layers = kLayers};
   ArenaBlock arena_{4 * kMiB};
   RRep rrep_;
-  std::array<RRep, kRaysPerPixel - 1> others_;
+  std::array<RRep, kRaysAround> others_;
 };
 
 std::uint32_t at(std::uint32_t column, std::uint32_t row) { return row * kColumns + column; }
@@ -155,7 +155,7 @@ TEST(FullGrey, LeavesTopsAndBottomLayersOfOneBit) {
   Object box([&](double x, double y) {
     // A wall at three quarters, and beyond it a step that ends in layer 20.
     const double end = x < 66.75 ? 30.0 : 20.0;
-    return x > 10 && x < 80.5 && y > 20 && y < 50 ? std::optional(std::pair(0.0, end)) : std::nullopt;
+    return x > 10 && x < 80.6 && y > 20 && y < 50 ? std::optional(std::pair(0.0, end)) : std::nullopt;
   });
   const auto levels = box.levels(model);
   for (std::uint32_t k = 0; k < model.bottom_layers + model.faded_layers; ++k) {
