@@ -145,6 +145,8 @@ def main():
             show(name, "ours, full grey", print_it(build, mesh, boards[0, True], folder, "--grey", "full"))
             show(name, "ours, full grey, outlines -.02 mm", print_it(build, mesh, boards[0, True], folder, "--grey", "full", "--absolute-correction", "-0.02"))
             show(name, "ours, full grey, exchange 1", print_it(build, mesh, boards[1, True], folder, "--grey", "full"))
+            show(name, "ours, adaptive layers", print_it(build, mesh, boards[0, True], folder, "--layer-height", "adaptive"))
+            show(name, "ours, adaptive layers, full grey, outlines -.02 mm", print_it(build, mesh, boards[0, True], folder, "--layer-height", "adaptive", "--grey", "full", "--absolute-correction", "-0.02"))
 
 
 if __name__ == "__main__":
