@@ -258,8 +258,8 @@ function showFacts() {
   if (job) rows.push([words.scan, job.files.length > 1 ? job.files.join(", ") : job.scan], [words.profile, job.profile]);
   if (sliced) {
     const sides = [sliced.width_mm, sliced.depth_mm, sliced.height_mm].map((side) => number(side, 1)).join(" × ");
-    const steps = sliced.layer_runs.map(([, step]) => step), mm = (step) => number(step * sliced.layer_height_mm, 3);
-    const high = steps.length ? `, ${mm(Math.min(...steps))}–${mm(Math.max(...steps))} mm` : ` × ${mm(1)} mm`;
+    const steps = sliced.layer_runs.map(([, step]) => number(step * sliced.layer_height_mm, 3)).sort();
+    const high = steps.length ? `, ${steps[0]}–${steps.at(-1)} mm` : ` × ${number(sliced.layer_height_mm, 3)} mm`;
     rows.push([words.size, `${sides} mm`], [words.layers, `${sliced.layers}${high}`]);
     if (sliced.points_off_percent >= 0.1) rows.push([words.pointsOff, `${number(sliced.points_off_percent, 1)} %`]);
     const vanish = sliced.shows_grey ? "" : `, ${number(sliced.grey_lost_percent, 1)} % ${words.vanish}`;
@@ -422,7 +422,7 @@ function showTurn() {
 
 // The slider asks for one layer at a time, and then for where it stands by now.
 let layerAsked = 0, layersOf = null;
-// mm of so many layers. Those of an adaptive print come in runs of one height: [layers up to its end, height in parts of layer_height_mm].
+// mm of so many layers. Runs of an adaptive print are [end, height].
 function topOf(layers) {
   let sum = 0, from = 0;
   for (const [end, step] of state.sliced.layer_runs) {
@@ -627,8 +627,7 @@ function size(bytes) {
 
 // Settings: name, label, kind, the printer's value, and what to send for what was entered.
 const angles = (value) => [...new Set(["-90", "0", "90", "180", String(value)])].map((angle) => [angle, `${number(Number(angle), 0)}°`]);
-const heights = (value) => [["", words.ofProfile], ...[...new Set(["0.025", "0.03", "0.05", "0.1", ...value && value !== "adaptive" ? [String(value)] : []])]
-  .map((mm) => [mm, `${number(Number(mm), 3)} mm`]), ["adaptive", words.adaptive]];
+const heights = () => [["", words.ofProfile], ...[0.025, 0.03, 0.05, 0.1].map((mm) => [String(mm), `${number(mm, 3)} mm`]), ["adaptive", words.adaptive]];
 const settings = [
   ["profile", words.profile, () => state.profiles.map((name) => [name, name]), (job) => job.profile, (value) => ["profile", value]],
   ["height", words.heightMm, "number", (job) => job.size && job.size.side === "height" ? job.size.mm : "",
