@@ -1,18 +1,18 @@
 #include "slicer/layers/bleed.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "slicer/layers/adaptive_layers.hpp"
 #include "slicer/layers/floating_edges.hpp"
 #include "slicer/rrep/mask_extent.hpp"
+#include "slicer/rrep/row_walk.hpp"
 
 namespace plumbline::inline slicer {
 namespace {
 
 constexpr const char* kStage = "bleed";
-constexpr std::uint32_t kOutside = 0xFFFFFFFFU;
-constexpr std::uint32_t kMostShift = 255;  ///< layers; of the thinnest, 5 um, more than 1 mm
+constexpr std::uint16_t kOutside = PrintGrid::kMaxLayers;  ///< no layer
+constexpr std::uint32_t kMostShift = 255;                  ///< layers; of the thinnest, 5 um, more than 1 mm
 
 /// The layers of the print that are lit on a ray. All heights are in layers of the R-Rep, above its first.
 class LitLayers {
@@ -23,7 +23,7 @@ class LitLayers {
 
   /// The layer of the print at a height.
   std::uint32_t at(double height) const {
-    return depths_.steps().layer_at(static_cast<std::uint32_t>(std::max(0.0, std::floor(height))) + lifted_);
+    return depths_.steps().layer_at(static_cast<std::uint32_t>(std::max(0.0, height)) + lifted_);
   }
   double bottom(std::uint32_t lit) const {
     return static_cast<double>(depths_.steps().of(lit).first) - static_cast<double>(lifted_);
@@ -41,9 +41,9 @@ class LitLayers {
     return height + depths_.below_film_mm(lit, CureDepths::kThick) / layer_height_ - depths_.steps().of(lit).step;
   }
 
-  /// Layers of the print between two heights. @param above  may be below `height`: less than 0
+  /// Layers of the print between two heights, to be rounded down. @param above  may be below `height`: less than 0
   double between(double height, double above) const {
-    if (depths_.steps().all_one()) return std::floor(above - height + 0.5);
+    if (depths_.steps().all_one()) return above - height + 0.5;
     return static_cast<double>(at(above)) - static_cast<double>(at(height));
   }
 
@@ -90,10 +90,12 @@ class Raiser {
     }
     // Below a thick part it is raised by what is cured below the lowest layer.
     const double thick = lit_.below_thick(lit_.at(found.layer()), stretch.height);
-    const double layers = stretch.entering == 0 && lifted_ == 0 ? 0 : lit_.between(end, thick);
+    const double layers = lit_.between(end, thick);
     return {found, static_cast<std::uint32_t>(std::clamp(layers, 0.0, static_cast<double>(most_less())))};
   }
 
+  /// Whether crossings of a layer stay: the object stands on the plate with it.
+  bool is_on_plate(std::uint32_t layer) const { return layer == 0 && lifted_ == 0; }
   /// The highest layer up to `layer` whose mask is printed.
   std::uint32_t highest_sampled(std::uint32_t layer) const {
     const LayerSteps& steps = depths_.steps();
@@ -113,7 +115,6 @@ class Raiser {
   /// Where the ray is to enter for its front to meet the surface, in layers; the exit or more if it can't.
   double raised_height(const Stretch& stretch) const {
     const double height = stretch.height;
-    if (stretch.entering == 0 && lifted_ == 0) return height;
     // The fronts if the lowest lit layer is `lit` and if it is the next one.
     const std::uint32_t end = lit_.end(stretch.exit);
     std::uint32_t lit = lit_.at(height);
@@ -132,9 +133,10 @@ class Raiser {
   }
   static CrossingHeight height_at(double height, const Stretch& stretch) {
     const double above = height - 0.5;
-    const double layer = std::ceil(above);
-    if (layer > stretch.limit) return CrossingHeight(stretch.limit);
-    if (layer < stretch.entering) return CrossingHeight(stretch.entering, 0);
+    const auto below = static_cast<std::int32_t>(above);
+    const std::int32_t layer = above > below ? below + 1 : below;  // as std::ceil(), in fewer instructions
+    if (layer > static_cast<std::int32_t>(stretch.limit)) return CrossingHeight(stretch.limit);
+    if (layer < static_cast<std::int32_t>(stretch.entering)) return CrossingHeight(stretch.entering, 0);
     const double part = (above - layer + 1) * CrossingHeight::kParts;
     return CrossingHeight(static_cast<std::uint32_t>(layer),
                           static_cast<std::uint32_t>(std::clamp(part, 0.0, CrossingHeight::kParts - 1.0)));
@@ -149,18 +151,22 @@ class Raiser {
 
 /// Where a ray has entered the object.
 struct Entered {
-  std::uint32_t crossing = kOutside;
-  std::uint32_t limit = 0;  ///< the highest layer in which it and each ray beside it that overlaps are both inside
+  std::uint32_t crossing = 0;
+  std::uint16_t layer = kOutside;  ///< of the crossing
+  std::uint16_t limit = 0;         ///< the first layer in which it or a ray beside it that overlaps is no longer inside
 };
 
 /// Pairs the crossings of a strip of rows, and raises those that enter.
 class StripRaiser {
  public:
-  /// @param shifts  layers by which each crossing goes up
-  StripRaiser(RRep& rrep, const MaskExtent& extent, std::span<std::uint8_t> shifts, std::span<Entered> inside)
-      : rrep_(rrep), packing_(rrep.grid), extent_(extent), shifts_(shifts), inside_(inside) {
+  /// @param layers  those to which the crossings go, modulo 256
+  StripRaiser(RRep& rrep, const MaskExtent& extent, std::span<std::uint8_t> layers, std::span<Entered> inside)
+      : rrep_(rrep), packing_(rrep.grid), extent_(extent), layers_(layers), inside_(inside) {
     packed_ = const_cast<std::uint32_t*>(rrep.packed.data());
     width_ = extent.right - extent.left;
+    for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) {
+      std::ranges::fill(layers.subspan(rrep.first[k], rrep.first[k + 1] - rrep.first[k]), static_cast<std::uint8_t>(k));
+    }
   }
 
   /// @param row, rows  a row on each side is looked at, too: inside_ has room for these
@@ -172,45 +178,48 @@ class StripRaiser {
     const PrintGrid& grid = rrep_.grid;
     for (std::uint32_t k = 0; k < grid.layers; ++k) {
       const auto layer = rrep_.packed.subspan(rrep_.first[k], rrep_.first[k + 1] - rrep_.first[k]);
-      for (auto at = std::ranges::lower_bound(layer, packing_.packed(top_ * grid.columns, 0)); at != layer.end();
-           ++at) {
-        const std::uint32_t pixel = packing_.pixel(*at);
-        const std::uint32_t r = pixel / grid.columns, column = pixel % grid.columns - extent_.left;
+      const auto start = std::ranges::lower_bound(layer, packing_.packed(top_ * grid.columns, 0)) - layer.begin();
+      RowWalk walk(grid.columns, top_);
+      for (std::uint32_t i = rrep_.first[k] + static_cast<std::uint32_t>(start); i < rrep_.first[k + 1]; ++i) {
+        walk.go_to(packing_.pixel(rrep_.packed[i]));
+        const std::uint32_t r = walk.row(), column = walk.column() - extent_.left;
         if (r >= end) break;
         const std::size_t place = std::size_t{r - top_} * width_ + column;
-        if (strip_[place].crossing == kOutside) {
-          strip_[place] = {static_cast<std::uint32_t>(at - layer.begin()) + rrep_.first[k], grid.layers};
+        Entered& entered = strip_[place];
+        if (entered.layer == kOutside) {
+          entered = {i, static_cast<std::uint16_t>(k), kOutside};
           continue;
         }
-        if (r >= row && r < row + rows) raise_one(strip_[place], k, raiser);
-        strip_[place].crossing = kOutside;
+        if (r - row < rows) raise_one(entered, k, raiser);
+        entered.layer = kOutside;
         limit_beside(place, column, k);
       }
     }
-    for (std::size_t place = (row - top_) * width_; place < std::size_t{std::min(row + rows, end) - top_} * width_;
-         ++place) {
-      if (strip_[place].crossing != kOutside) raise_one(strip_[place], grid.layers, raiser);
+    for (const Entered& entered : strip_.subspan((row - top_) * width_, (std::min(row + rows, end) - row) * width_)) {
+      if (entered.layer != kOutside) raise_one(entered, grid.layers, raiser);
     }
   }
 
  private:
   void raise_one(const Entered& entered, std::uint32_t exit, Raiser& raiser) {
-    const auto layer =
-        static_cast<std::uint32_t>(std::ranges::upper_bound(rrep_.first, entered.crossing) - rrep_.first.begin()) - 1;
+    const std::uint32_t layer = entered.layer;
     std::uint32_t& packed = packed_[entered.crossing];
+    if (raiser.is_on_plate(layer)) {
+      packed = marked_less(packed, 0, raiser.most_less());
+      return;
+    }
     const double height = static_cast<double>(packing_.height_mm(packed, layer, rrep_.grid)) /
                           static_cast<double>(rrep_.grid.layer_height_mm);
-    const std::uint32_t limit =
-        std::max(layer, raiser.highest_sampled(std::min({entered.limit, exit - 1, layer + kMostShift})));
-    const Raiser::Raised found = raiser.raised({layer, height, exit, limit});
+    const std::uint32_t limit = std::min(std::min<std::uint32_t>(entered.limit, exit) - 1, layer + kMostShift);
+    const Raiser::Raised found = raiser.raised({layer, height, exit, std::max(layer, raiser.highest_sampled(limit))});
     packed = marked_less(packing_.packed(packing_.pixel(packed), found.height.part()), found.less, raiser.most_less());
-    shifts_[entered.crossing] = static_cast<std::uint8_t>(found.height.layer() - layer);
+    layers_[entered.crossing] = static_cast<std::uint8_t>(found.height.layer());
   }
   /// Of rays that are inside beside one that exits: both are inside in the layer below its exit.
   void limit_beside(std::size_t place, std::uint32_t column, std::uint32_t exit) {
     const auto limit = [&](std::size_t other) {
       Entered& entered = strip_[other];
-      if (entered.crossing < rrep_.first[exit]) entered.limit = std::min(entered.limit, exit - 1);
+      if (entered.layer < exit) entered.limit = std::min(entered.limit, static_cast<std::uint16_t>(exit));
     };
     if (column > 0) limit(place - 1);
     if (column + 1 < width_) limit(place + 1);
@@ -222,47 +231,46 @@ class StripRaiser {
   CrossingPacking packing_;
   MaskExtent extent_;
   std::uint32_t* packed_;
-  std::span<std::uint8_t> shifts_;
+  std::span<std::uint8_t> layers_;
   std::span<Entered> inside_;
   std::uint32_t width_ = 0;  ///< of a row of strip_
   std::uint32_t top_ = 0;    ///< the row of its first
   std::span<Entered> strip_;
 };
 
-/// Moves each crossing up by its shift, in place.
-/// @param places  two entries for each layer
-void sort_again(RRep& rrep, std::span<const std::uint8_t> shifts, std::span<std::uint32_t> places) {
-  const std::uint32_t layers = rrep.grid.layers;
-  const auto next = places.first(layers), end = places.subspan(layers, layers);
-  const auto layer_of = [&](std::uint32_t place) {
-    const auto above = std::ranges::upper_bound(rrep.first, place) - rrep.first.begin();
-    return static_cast<std::uint32_t>(above) - 1 + shifts[place];
-  };
-  std::ranges::fill(end, 0);
-  for (std::uint32_t k = 0; k < layers; ++k) {
-    for (std::uint32_t i = rrep.first[k]; i < rrep.first[k + 1]; ++i) ++end[k + shifts[i]];
-  }
-  for (std::uint32_t k = 0, sum = 0; k < layers; ++k) {
-    next[k] = sum;
-    sum = end[k] += sum;
-  }
-  // Each crossing goes to the next free place of its layer, and the one that was there on to its own (McIlroy et al. 1993).
+/// Moves each crossing up to its layer, in place.
+/// @param layers  those to which the crossings go, modulo 256: none goes further than kMostShift
+/// @param room    for crossings; layers to which more move are slower to sort
+void sort_again(RRep& rrep, std::span<std::uint8_t> layers, std::span<std::uint32_t> room) {
   std::uint32_t* const packed = const_cast<std::uint32_t*>(rrep.packed.data());
-  for (std::uint32_t k = 0; k < layers; ++k) {
-    while (next[k] < end[k]) {
-      std::uint32_t crossing = packed[next[k]];
-      for (std::uint32_t layer = layer_of(next[k]); layer != k;) {
-        const std::uint32_t place = next[layer]++;
-        std::swap(crossing, packed[place]);
-        layer = layer_of(place);
-      }
-      packed[next[k]++] = crossing;
-    }
-  }
   std::uint32_t* const first = const_cast<std::uint32_t*>(rrep.first.data());
-  for (std::uint32_t k = 0; k < layers; ++k) {
-    first[k + 1] = end[k];
-    std::sort(packed + first[k], packed + first[k + 1]);
+  // Those that go further up wait between what is written and what is not yet read.
+  std::uint32_t written = 0, read = 0;
+  for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) {
+    const auto take = [&](std::uint32_t begin, std::uint32_t end) {
+      for (std::uint32_t i = begin; i < end; ++i) {
+        if (layers[i] != static_cast<std::uint8_t>(k)) continue;
+        layers[i] = layers[written];
+        std::swap(packed[i], packed[written++]);
+      }
+    };
+    const std::uint32_t begin = written, end = first[k + 1];
+    take(begin, read);
+    const std::span moved(packed + begin, packed + written);
+    take(read, end);
+    read = end;
+    first[k + 1] = written;
+    if (moved.size() > room.size()) {
+      std::sort(packed + begin, packed + written);
+      continue;
+    }
+    std::ranges::sort(moved);
+    std::ranges::copy(moved, room.begin());
+    std::uint32_t own = begin + static_cast<std::uint32_t>(moved.size()), to = begin;
+    for (const std::uint32_t crossing : room.first(moved.size())) {
+      while (own < written && packed[own] < crossing) packed[to++] = packed[own++];
+      packed[to++] = crossing;
+    }
   }
 }
 
@@ -280,8 +288,7 @@ double uncorrected_mm(const CureDepths& depths, const PrintGrid& grid, double he
 }
 
 std::size_t bleed_bytes(const PrintGrid& grid, std::size_t crossings) {
-  return std::max(Arena::rounded(crossings) + Arena::rounded(3 * std::size_t{grid.columns} * sizeof(Entered)) +
-                      Arena::rounded(2 * std::size_t{grid.layers} * sizeof(std::uint32_t)),
+  return std::max(Arena::rounded(crossings) + Arena::rounded(3 * std::size_t{grid.columns} * sizeof(Entered)),
                   floating_edges_bytes(grid));
 }
 
@@ -296,21 +303,24 @@ Expected<BleedCounts> correct_bleed(RRep& rrep, const CureModel& model, std::uin
   }
   {
     const ArenaScope scope(arena);
-    const auto shifts = arena.take_top<std::uint8_t>(rrep.crossings(), kStage);
-    PLUMBLINE_TRY(shifts);
-    const auto places = arena.take_top<std::uint32_t>(2 * std::size_t{rrep.grid.layers}, kStage);
-    PLUMBLINE_TRY(places);
+    const auto layers = arena.take_top<std::uint8_t>(rrep.crossings(), kStage);
+    PLUMBLINE_TRY(layers);
     const MaskExtent extent = extent_of(rrep);
     const std::size_t columns = extent.right - extent.left;
     const auto fitting = static_cast<std::uint32_t>(
         std::min<std::size_t>(arena.available() / 2 / sizeof(Entered) / columns, extent.bottom - extent.top + 2));
     const std::uint32_t rows = std::max(fitting, 3U) - 2;
-    const auto inside = arena.take_top<Entered>((rows + 2) * columns, kStage);
-    PLUMBLINE_TRY(inside);
-    std::ranges::fill(*shifts, 0);
-    StripRaiser strips(rrep, extent, *shifts, *inside);
-    for (std::uint32_t row = extent.top; row < extent.bottom; row += rows) strips.raise(row, rows, raiser);
-    sort_again(rrep, *shifts, *places);
+    const std::size_t places = (rows + 2) * columns;
+    {
+      const ArenaScope strip_scope(arena);
+      const auto inside = arena.take_top<Entered>(places, kStage);
+      PLUMBLINE_TRY(inside);
+      StripRaiser strips(rrep, extent, *layers, *inside);
+      for (std::uint32_t row = extent.top; row < extent.bottom; row += rows) strips.raise(row, rows, raiser);
+    }
+    const auto room = arena.take_top<std::uint32_t>(places, kStage);
+    PLUMBLINE_TRY(room);
+    sort_again(rrep, *layers, *room);
   }
   const bool adaptive = !steps.all_one();
   const PrintLayers counted = adaptive ? count_print_layers(rrep, steps, lifted) : PrintLayers();

@@ -45,24 +45,19 @@ class FloatingEdges {
     count_ = 0;
     is_complete_ = true;
     merge(crossings);
-    if (count_ > 0 && is_complete_) {
-      find_pieces(next);
-      move_up(begin);
-    }
-    for (const NewPixel& pixel : pixels_.first(count_)) put(new_, pixel.packed, false);
+    if (count_ > 0 && is_complete_ && has_floating(next)) move_up(begin);
+    for (const NewPixel& pixel : pixels_.first(count_)) toggle(new_, packing_.pixel(pixel.packed));
   }
 
   std::uint32_t written() const { return written_; }
   std::uint64_t taken() const { return taken_; }
 
  private:
-  std::uint32_t column(std::uint32_t packed) const { return packing_.pixel(packed) % grid_.columns; }
-  std::uint32_t row(std::uint32_t packed) const { return packing_.pixel(packed) / grid_.columns; }
-  void put(BitImage image, std::uint32_t packed, bool value) const {
-    const std::uint32_t c = column(packed);
-    std::uint64_t& word = image.row(row(packed))[c / 64];
-    const std::uint64_t bit = std::uint64_t{1} << (c % 64);
-    word = value ? word | bit : word & ~bit;
+  /// @returns the pixel's new value
+  static bool toggle(BitImage image, std::uint32_t pixel) {
+    std::uint64_t& word = image.words()[pixel / 64];
+    word ^= std::uint64_t{1} << (pixel % 64);
+    return (word >> (pixel % 64)) & 1U;
   }
 
   /// Writes what is read or carried; a pixel of both enters and exits at once.
@@ -83,8 +78,8 @@ class FloatingEdges {
   }
 
   void write(std::uint32_t packed) {
-    const bool enters = !lit_.at(column(packed), row(packed));
-    put(lit_, packed, enters);
+    const std::uint32_t pixel = packing_.pixel(packed);
+    const bool enters = toggle(lit_, pixel);
     packed_[written_++] = enters ? marked_less(packed, (most_less_ + 1) / 2, most_less_)
                                  : packed;  // the middle of what the bits stand for
     if (!enters) return;
@@ -93,34 +88,39 @@ class FloatingEdges {
       return;
     }
     pixels_[count_++] = {.parent = 0, .packed = packed};
-    put(new_, packed, true);
+    toggle(new_, pixel);
   }
 
-  void find_pieces(std::span<const std::uint32_t> next) {
+  /// Finds the pieces of new pixels. @returns whether any is to move up
+  bool has_floating(std::span<const std::uint32_t> next) {
     const auto fresh = pixels_.first(count_);
     Pieces pieces(fresh);
     pieces.start_all();
     std::uint32_t above = 0;
     for (std::uint32_t i = 0; i < count_; ++i) {
       const std::uint32_t pixel = packing_.pixel(fresh[i].packed);
-      if (i > 0 && packing_.pixel(fresh[i - 1].packed) + 1 == pixel && column(fresh[i].packed) > 0)
+      if (i > 0 && packing_.pixel(fresh[i - 1].packed) + 1 == pixel && pixel % grid_.columns > 0)
         pieces.unite(i - 1, i);
       while (packing_.pixel(fresh[above].packed) + grid_.columns < pixel) ++above;
       if (packing_.pixel(fresh[above].packed) + grid_.columns == pixel) pieces.unite(above, i);
     }
     for (std::uint32_t i = 0; i < count_; ++i) {
+      const std::uint32_t pixel = packing_.pixel(fresh[i].packed);
       NewPixel& piece = fresh[pieces.root(i)];
-      piece.is_held |= has_old_beside(fresh[i].packed);
-      piece.goes_on |= !std::ranges::binary_search(next, packing_.pixel(fresh[i].packed), {},
-                                                   [this](std::uint32_t packed) { return packing_.pixel(packed); });
+      piece.is_held = piece.is_held || has_old_beside(pixel);
+      piece.goes_on = piece.goes_on || !std::ranges::binary_search(next, pixel, {}, [this](std::uint32_t packed) {
+                        return packing_.pixel(packed);
+                      });
     }
+    return std::ranges::any_of(fresh, [](const NewPixel& pixel) { return !pixel.is_held && pixel.goes_on; });
   }
 
-  bool has_old_beside(std::uint32_t packed) const {
-    const std::uint32_t c = column(packed), r = row(packed);
-    const auto is_old = [this](std::uint32_t at, std::uint32_t in) { return lit_.at(at, in) && !new_.at(at, in); };
-    return (c > 0 && is_old(c - 1, r)) || (c + 1 < grid_.columns && is_old(c + 1, r)) || (r > 0 && is_old(c, r - 1)) ||
-           (r + 1 < grid_.rows && is_old(c, r + 1));
+  bool has_old_beside(std::uint32_t pixel) const {
+    const std::uint32_t columns = grid_.columns, column = pixel % columns;
+    const auto is_old = [this](std::uint32_t at) { return lit_.at(at, 0) && !new_.at(at, 0); };
+    return (column > 0 && is_old(pixel - 1)) || (column + 1 < columns && is_old(pixel + 1)) ||
+           (pixel >= columns && is_old(pixel - columns)) ||
+           (pixel + columns < lit_.columns() && is_old(pixel + columns));
   }
 
   /// @param begin  of the layer's crossings among those written
@@ -134,7 +134,7 @@ class FloatingEdges {
         const std::uint32_t less = pixels_[at++].packed & most_less_;
         if (!piece.is_held && piece.goes_on && less > 0) {
           carried_[carried_count_++] = marked_less(packing_.packed(packing_.pixel(packed)), less - 1, most_less_);
-          put(lit_, packed, false);
+          toggle(lit_, packing_.pixel(packed));
           continue;
         }
       }
@@ -148,8 +148,8 @@ class FloatingEdges {
   CrossingPacking packing_;
   std::uint32_t most_less_;
   std::uint32_t* packed_;
-  BitImage lit_;  ///< of the layer
-  BitImage new_;  ///< those of pixels_
+  BitImage lit_;  ///< of the layer, all rows in one
+  BitImage new_;  ///< those of pixels_, all rows in one
   std::span<NewPixel> pixels_;
   std::uint32_t count_ = 0;           ///< of pixels_ in use
   bool is_complete_ = true;           ///< pixels_ has all of the layer
@@ -162,7 +162,7 @@ class FloatingEdges {
 }  // namespace
 
 std::size_t floating_edges_bytes(const PrintGrid& grid) {
-  return 2 * Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
+  return 2 * Arena::rounded(BitImage::words_needed(grid.columns * grid.rows, 1) * sizeof(std::uint64_t)) +
          Arena::rounded(most_pixels(grid) * sizeof(NewPixel)) +
          Arena::rounded(most_pixels(grid) * sizeof(std::uint32_t));
 }
@@ -170,7 +170,8 @@ std::size_t floating_edges_bytes(const PrintGrid& grid) {
 Expected<std::uint64_t> drop_floating_edges(RRep& rrep, std::uint32_t most_less, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = rrep.grid;
-  const std::size_t words = BitImage::words_needed(grid.columns, grid.rows);
+  const std::uint32_t grid_pixels = grid.columns * grid.rows;
+  const std::size_t words = BitImage::words_needed(grid_pixels, 1);
   const auto lit = arena.take_top<std::uint64_t>(words, kStage);
   PLUMBLINE_TRY(lit);
   const auto fresh = arena.take_top<std::uint64_t>(words, kStage);
@@ -180,7 +181,7 @@ Expected<std::uint64_t> drop_floating_edges(RRep& rrep, std::uint32_t most_less,
   PLUMBLINE_TRY(pixels);
   const auto carried = arena.take_top<std::uint32_t>(most, kStage);
   PLUMBLINE_TRY(carried);
-  const BitImage lit_image(*lit, grid.columns, grid.rows), new_image(*fresh, grid.columns, grid.rows);
+  const BitImage lit_image(*lit, grid_pixels, 1), new_image(*fresh, grid_pixels, 1);
   lit_image.clear();
   new_image.clear();
 

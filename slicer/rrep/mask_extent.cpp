@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "slicer/rrep/row_walk.hpp"
+
 namespace plumbline::inline slicer {
 
 void MaskExtent::hold(ConstBitImage mask) {
@@ -25,18 +27,15 @@ MaskExtent extent_of(const RRep& rrep) {
   const CrossingPacking packing(rrep.grid);
   MaskExtent extent;
   for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) {
-    std::uint32_t row = 0;
-    std::uint32_t row_start = 0;
-    for (std::uint32_t i = rrep.first[k]; i < rrep.first[k + 1]; ++i) {
-      const std::uint32_t pixel = packing.pixel(rrep.packed[i]);
-      while (pixel - row_start >= columns) {  // pixels ascend: no division
-        row_start += columns;
-        ++row;
-      }
-      extent.left = std::min(extent.left, pixel - row_start);
-      extent.right = std::max(extent.right, pixel - row_start + 1);
-      extent.top = std::min(extent.top, row);
-      extent.bottom = std::max(extent.bottom, row + 1);
+    const auto layer = rrep.packed.subspan(rrep.first[k], rrep.first[k + 1] - rrep.first[k]);
+    if (layer.empty()) continue;
+    extent.top = std::min(extent.top, packing.pixel(layer.front()) / columns);
+    extent.bottom = std::max(extent.bottom, packing.pixel(layer.back()) / columns + 1);
+    RowWalk walk(columns);
+    for (const std::uint32_t crossing : layer) {
+      walk.go_to(packing.pixel(crossing));
+      extent.left = std::min(extent.left, walk.column());
+      extent.right = std::max(extent.right, walk.column() + 1);
     }
   }
   return extent;

@@ -94,13 +94,4 @@ double CureDepths::depth_of(double sum, double largest) const {
   return dose > model_.critical_dose ? model_.penetration_mm * logarithm(dose / model_.critical_dose) : 0;
 }
 
-double CureDepths::below_film_mm(std::uint32_t first, std::uint32_t count) const {
-  if (count == 0) return 0;
-  if (!steps_.all_one()) return adaptive_depth_mm(first, count);
-  const bool is_thick = count == kThick || (count > kTabled && ends_);
-  const bool is_tabled = (first >= normal_ || first < kTabledFirst) && (count <= kTabled || is_thick);
-  if (!is_tabled) return depth_mm(first, count);
-  return table_[first >= normal_ ? kTabledFirst : first][is_thick ? kTabled : count - 1];
-}
-
 }  // namespace plumbline::inline slicer

@@ -49,7 +49,14 @@ class CureDepths {
 
   /// Where a pixel's ray is cured if it is lit in the print's layers from `first` to `first + count - 1`, but in none below, mm below the film of
   /// the first. Uses no function of a library but +, -, * and /, so it is the same everywhere.
-  double below_film_mm(std::uint32_t first, std::uint32_t count) const;
+  double below_film_mm(std::uint32_t first, std::uint32_t count) const {
+    if (count == 0) return 0;
+    if (!steps_.all_one()) return adaptive_depth_mm(first, count);
+    const bool is_thick = count == kThick || (count > kTabled && ends_);
+    const bool is_tabled = (first >= normal_ || first < kTabledFirst) && (count <= kTabled || is_thick);
+    if (!is_tabled) return depth_mm(first, count);
+    return table_[first >= normal_ ? kTabledFirst : first][is_thick ? kTabled : count - 1];
+  }
 
   const LayerSteps& steps() const { return steps_; }
 
