@@ -7,7 +7,7 @@
 #include "slicer/core/grey_runs.hpp"
 #include "slicer/core/resin/cure_model.hpp"
 #include "slicer/core/resin/peel_force.hpp"
-#include "slicer/layers/adaptive_layers.hpp"
+#include "slicer/dose/adaptive_layers.hpp"
 #include "slicer/orientation/clean_side.hpp"
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"

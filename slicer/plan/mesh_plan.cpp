@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "slicer/core/numbers/mib.hpp"
-#include "slicer/layers/bleed.hpp"
+#include "slicer/dose/bleed.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/mesh/hit_resolver.hpp"
 #include "slicer/reader/scan_reader.hpp"

@@ -27,7 +27,7 @@ MAY_INCLUDE = {
 # their place.
 ORDER = {
     "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "mesh", "rays",
-               "layers", "supports", "checks", "plan"],
+               "layers", "dose", "supports", "checks", "plan"],
     "slicer/core": ["numbers", "words", "resin", ".", "regions"],
     "slicer/reader/formats": ["e57", "pcd", "splats", "tables"],
     "slicer/reader": ["stream", "records", "formats", "triangles"],

@@ -98,7 +98,7 @@ class CheckIncludes(unittest.TestCase):
                          "firmware/pictures/bad.cpp:1", "firmware/pictures may not include firmware;")
 
     def test_a_folder_does_not_include_a_later_one(self):
-        order = "core, reader, cloud, placement, orientation, implicit, normals, views, surface, rrep, mesh, rays, layers, supports, checks, plan"
+        order = "core, reader, cloud, placement, orientation, implicit, normals, views, surface, rrep, mesh, rays, layers, dose, supports, checks, plan"
         self.assert_only({"slicer/cloud/bad.hpp": '#include "slicer/plan/memory_plan.hpp"\n'}, "slicer/cloud/bad.hpp:1",
                          f"slicer/cloud -> slicer/plan is the wrong way: the order in slicer is {order}, then")
         self.assert_only({"slicer/rays/deep/bad.cpp": '#include "slicer/layers/mask.hpp"\n'}, "slicer/rays/deep/bad.cpp:1",

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "slicer/core/numbers/mix64.hpp"
-#include "slicer/layers/bleed.hpp"
+#include "slicer/dose/bleed.hpp"
 
 namespace plumbline::firmware {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "slicer/layers/bleed.hpp"
+#include "slicer/dose/bleed.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/columns.hpp"

@@ -1,9 +1,9 @@
-#include "slicer/layers/bleed.hpp"
+#include "slicer/dose/bleed.hpp"
 
 #include <algorithm>
 
-#include "slicer/layers/adaptive_layers.hpp"
-#include "slicer/layers/floating_edges.hpp"
+#include "slicer/dose/adaptive_layers.hpp"
+#include "slicer/dose/floating_edges.hpp"
 #include "slicer/rrep/mask_extent.hpp"
 #include "slicer/rrep/row_walk.hpp"
 

@@ -1,4 +1,4 @@
-#include "slicer/layers/adaptive_layers.hpp"
+#include "slicer/dose/adaptive_layers.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <span>
 
 #include "slicer/core/bit_image.hpp"
-#include "slicer/layers/floating_edges.hpp"
+#include "slicer/dose/floating_edges.hpp"
 
 namespace plumbline::inline slicer {
 namespace {

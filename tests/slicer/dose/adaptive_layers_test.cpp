@@ -1,4 +1,4 @@
-#include "slicer/layers/adaptive_layers.hpp"
+#include "slicer/dose/adaptive_layers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "slicer/layers/bleed.hpp"
+#include "slicer/dose/bleed.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "tests/slicer/support/columns.hpp"
 #include "tests/slicer/support/solid.hpp"

@@ -1,4 +1,4 @@
-#include "slicer/layers/bleed.hpp"
+#include "slicer/dose/bleed.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "slicer/layers/floating_edges.hpp"
+#include "slicer/dose/floating_edges.hpp"
 
 #include <algorithm>
 #include <span>
