@@ -87,7 +87,7 @@ Expected<JournalFile> JobStore::write(const JobFacts& facts, const MaskParts& pa
     return cannot_write(kNewArchive);
   }
   PLUMBLINE_TRY(write_job_file(facts, parts, job_hash));
-  return create_journal(job_hash, facts.contract.plan.layers);
+  return create_journal(job_hash, facts.contract.plan.steps.layers(parts.rrep.grid.layers));
 }
 
 Status JobStore::write_job_file(const JobFacts& facts, const MaskParts& parts, std::uint64_t& job_hash) {

@@ -92,6 +92,27 @@ class Contract(StatePrinter):
         report = json.loads((self.folder / "report.json").read_text())
         self.assertEqual(report["exposures"][-1]["asked_s"], 4)
 
+    def test_a_job_may_have_layers_as_high_as_the_surface_allows(self):
+        _, user = self.start(speedup=1e4)
+        self.put_stick({"ball.ply": 3.0}, '[job]\nscan = "ball.ply"\n[placement]\nlayer_height = "adaptive"\n')
+        self.assertEqual(user.state("offered", "start")["job"]["layer_height"], "adaptive")
+        user.do("set", key="layer_height", value=0.05)
+        user.until(lambda s: s["job"]["layer_height"] == 0.05, "even layers")
+        user.do("set", key="layer_height", value="adaptive")
+        user.until(lambda s: s["job"]["layer_height"] == "adaptive", "adaptive layers")
+        user.refused("allowed is 0.005 to 1 mm, adaptive", "set", key="layer_height", value="fine")
+        user.do("start")
+        done = user.state("plate in use")["sliced"]
+        heights, below = [], 0
+        for end, step in done["layer_runs"]:
+            heights += [step * done["layer_height_mm"]] * (end - below)
+            below = end
+        self.assertEqual((len(heights), round(min(heights), 3), round(max(heights), 3)), (done["layers"], 0.02, 0.1))
+        self.assertAlmostEqual(sum(heights), done["height_mm"], delta=1e-3)
+        report = json.loads((self.folder / "report.json").read_text())
+        self.assertEqual((report["state"], report["objections"], report["late_masks"]), ("finished", [], 0))
+        self.assertEqual([line["layer"] for line in report["exposures"]], list(range(done["layers"])))
+
     def test_scan_whose_points_lie_off_the_print_is_asked_about(self):
         twice = self.dir / "twice.ply"  # as if one of two views were in the wrong place: surface of either lies inside the other
         write_sphere(twice, points=10_000, radius=4)

@@ -346,6 +346,8 @@ TEST(ScreenServer, BringsEachSettingBackAfterAWhile) {
   job.supports.enable = false;
   EXPECT_EQ(next(5), "");
   job.layer_height = 0.1;
+  EXPECT_EQ(next(6), "adaptive");
+  job.layer_height = kAdaptiveHeight;
   EXPECT_EQ(next(6), "");
 }
 
