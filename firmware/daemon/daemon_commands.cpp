@@ -31,12 +31,15 @@ Expected<std::optional<EventKind>> DaemonCommands::take(const ClientRequest& req
   if (request.command == Command::kRemove) return remove_upload(request.name.view());
   const auto is_list = [&](const PlaceField& field) { return field.key == request.key.view(); };
   if (contract != nullptr && request.command == Command::kSet && std::ranges::any_of(kPlaceFields, is_list)) {
-    PLUMBLINE_TRY(change_supports(request.key.view(), request.value.view()));
+    PLUMBLINE_TRY(slice_again(request.key.view(), request.value.view()));
     return EventKind::kCancelPressed;  // of this print: it is sliced anew
   }
   if (contract != nullptr && request.command == Command::kSet) {
     PLUMBLINE_TRY(contract->set(request.key.view(), request.value.view()));
-    return std::nullopt;
+    // Without its scan, the print keeps the layers that it has.
+    const bool again =
+        contract->shapes_layers(request.key.view()) && slice_again(request.key.view(), request.value.view());
+    return again ? std::optional(EventKind::kCancelPressed) : std::nullopt;
   }
   if (offer == nullptr)
     return telling(Told(PrinterCode::kCommandNotNow), fail(ErrorCode::kBadSetting, "nothing is offered"));

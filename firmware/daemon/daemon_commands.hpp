@@ -40,8 +40,8 @@ class DaemonCommands final : public CommandTaker {
   StickOffer* offer = nullptr;          ///< that somebody is asked about; null: none
   OfferedContract* contract = nullptr;  ///< the same, of what has been sliced
   OfferedMasks* masks = nullptr;        ///< of the same
-  /// Changes the supports of the job that was sliced, which is then sliced again.
-  std::function<Status(std::string_view key, std::string_view value)> change_supports;
+  /// Changes a setting of the job that was sliced, which is then sliced again.
+  std::function<Status(std::string_view key, std::string_view value)> slice_again;
   bool of_upload = false;  ///< what is offered was uploaded
 
  private:

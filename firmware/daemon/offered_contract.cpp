@@ -1,5 +1,7 @@
 #include "firmware/daemon/offered_contract.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "firmware/io/text/fixed_text.hpp"
@@ -70,6 +72,14 @@ Status OfferedContract::set(std::string_view key, std::string_view value) {
   tell();
   if (put_) put_();
   return {};
+}
+
+bool OfferedContract::shapes_layers(std::string_view key) const {
+  using enum PrintKey;
+  const PrintField* const field = find_print_field(key);
+  if (field == nullptr || contract_.is_archive || !profile_.exchange) return false;
+  constexpr std::array kLight = {kExposureTime, kInitialExposureTime, kBottomLayerCount, kFadedLayers};
+  return std::ranges::find(kLight, field->key) != kLight.end();
 }
 
 }  // namespace plumbline::firmware

@@ -33,6 +33,8 @@ class OfferedContract {
   /// Changes a value. "" sets it back to what it was before any person changed it.
   /// @retval ErrorCode::kBadSetting  no such value, or out of range, or the printer can't do it; nothing has changed
   [[nodiscard]] Status set(std::string_view key, std::string_view value);
+  /// Whether the layers were made for a value: how far undersides are raised follows from the light.
+  bool shapes_layers(std::string_view key) const;
 
  private:
   std::string_view name_;

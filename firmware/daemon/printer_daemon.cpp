@@ -425,11 +425,11 @@ Status PrinterDaemon::print_job(PrintSession& session, ReadJob job) {
     PLUMBLINE_TRY(session.take(**std::move(wanted)));
     return true;
   };
-  commands_.change_supports = [&](std::string_view key, std::string_view value) {
+  commands_.slice_again = [&](std::string_view key, std::string_view value) {
     return slice_again(job, key, value);
   };
   const auto taken = take();
-  commands_.change_supports = nullptr;
+  commands_.slice_again = nullptr;
   if (!taken || !*taken) store_.drop_received();
   PLUMBLINE_TRY(taken);
   if (!*taken) return {};

@@ -173,8 +173,14 @@ class Contract(StatePrinter):
         self.assertNotIn("support_missed", [one["told"]["code"] for one in asked["findings"] if one["told"]])
         user.refused("can't be changed once the layers are made", "set", key="support_stand", value="plate")
         user.refused("allowed is up to 32 places", "set", key="support_at", value="1,2")
-        # It is sliced anew with the place, and asked about again, with what was changed meanwhile.
+        # Undersides are raised by what light cures: it is sliced anew with the exposure, and asked about again.
+        user.refused("this printer's lamp may be lit for 60 s at most", "set", key="initial_exposure_time", value=61)
         user.do("set", key="exposure_time", value=4)
+        before = asked
+        asked = user.until(lambda s: s["state"] == "offered" and s["masks"] and s["job"]["id"] != before["job"]["id"], "a question")
+        self.assertEqual(values(asked)["exposure_time"], (4, "person"))
+        self.assertNotEqual(asked["sliced"]["resin_ml"], before["sliced"]["resin_ml"], "other layers")
+        # It is sliced anew with the place, and asked about again, with what was changed meanwhile.
         user.do("set", key="support_at", value="1,1,30", **{"for": asked["job"]["id"]})
         again = user.until(lambda s: s["state"] == "offered" and s["masks"] and s["job"]["id"] != asked["job"]["id"], "the next question")
         self.assertEqual(again["job"]["support_values"]["support_at"], [[1, 1, 30]])

@@ -31,7 +31,7 @@ TEST(LayerSteps, GoFromLayersOfThePrintToThoseOfTheRRepAndBack) {
   const LayerSteps steps = steps_of({{2, 3}, {3, 1}, {4, 5}});
   EXPECT_TRUE(steps.valid());
   std::uint32_t first = 0, layer = 0;
-  for (const std::uint32_t step : {3, 3, 1, 1, 1, 5, 5, 5, 5, 1, 1}) {  // above the runs, one each
+  for (const std::uint32_t step : {3U, 3U, 1U, 1U, 1U, 5U, 5U, 5U, 5U, 1U, 1U}) {  // above the runs, one each
     const LayerStep found = steps.of(layer);
     EXPECT_EQ(found.first, first);
     EXPECT_EQ(found.step, step);

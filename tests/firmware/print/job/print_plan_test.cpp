@@ -69,7 +69,7 @@ TEST(PrintPlan, HeightsAddUpWithoutRounding) {
 TEST(PrintPlan, ExposesEachLayerOfAnAdaptivePrintForItsHeight) {
   LayerSteps steps;
   for (int i = 0; i < 13; ++i) EXPECT_TRUE(steps.add(3));  // bottom and faded layers
-  for (const std::uint32_t step : {5, 5, 1, 1, 1, 3}) EXPECT_TRUE(steps.add(step));
+  for (const std::uint32_t step : {5U, 5U, 1U, 1U, 1U, 3U}) EXPECT_TRUE(steps.add(step));
   auto settings = profile();
   const auto p = plan_print(settings, machine(), 0.02, 55, steps).value();
   EXPECT_EQ(p.layers, 19U);
