@@ -66,13 +66,19 @@ Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep
   std::vector<std::uint8_t> printed(kPageBytes);
   std::vector<std::uint8_t> deviation(measured != nullptr ? kPageBytes : 0);
   FixedText<128> caption;
-  caption.add("printed: %u of %u layers, %.1f ml", part.grid.layers, session.grid().layers,
+  const LayerSteps& steps = session.plan().steps;
+  caption.add("printed: %u of %u layers, %.1f ml", steps.layers(part.grid.layers), session.plan().layers,
               static_cast<double>(job.cured_pixels) * session.pixel_ml());
   const std::array<std::string_view, 1> printed_captions = {caption.view()};
   const std::array<std::string_view, 1> sliced_captions = {"to be printed"};
   // A print resumed from its store has no placement.
   const Placement& placement = session.printable().slice.placement;
-  const auto size = placement.grid.layers > 0 ? size_text(placement) : FixedText<96>();
+  FixedText<160> size;
+  if (!steps.all_one()) {
+    size = size_line(session.contract());
+  } else if (placement.grid.layers > 0) {
+    size.add("%s", size_text(placement).c_str());
+  }
   PartRRep masks;
   RRep rrep = session.printable().parts.rrep;
   if (session.printable().parts.is_archive()) {
