@@ -25,8 +25,8 @@ struct GreyScale {
   /// @param value  0 to 255
   /// @returns the share of the light, 0 to 1
   double light(std::uint32_t value) const { return std::pow(value / 255.0, gamma); }
-  /// For each share of the dose, 0 to 255 of 255, at each of 4 x 4 pixels: one of the panel's values between which the share lies, so many
-  /// times the brighter one that the mean light of 4 x 4 pixels is nearest. [share][4 * (row % 4) + column % 4]
+  /// The panel's value for each share of the dose, 0 to 255 of 255, at each place of a pattern of 4 x 4 pixels. It is one of the two whose light is
+  /// next to the share; the brighter one stands in so many places that the pattern's mean light comes nearest. [share][4 * (row % 4) + column % 4]
   using Values = std::array<std::array<std::uint8_t, 16>, 256>;
   Values values() const {
     // Ordered dither: thresholds of 16ths, neighbours as different as can be (Bayer 1973).

@@ -330,7 +330,7 @@ Expected<ShotObject> shoot_mesh(MeshFiles& files, const MeshSurvey& survey, cons
     others[i] = shot->store;
     job.memory.planned_bytes = planned;
   }
-  auto shot = shoot_rays_of(files, survey, placement, with_ray(placement.grid, 0), settings, job, counts);
+  auto shot = shoot_rays_of(files, survey, placement, placement.grid, settings, job, counts);
   PLUMBLINE_TRY(shot);
   shot->others = others;
   shot->has_others = true;

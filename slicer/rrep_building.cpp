@@ -104,7 +104,6 @@ Expected<RRep> sort_all(ShotObject& shot, Arena& arena) {
   }
   auto rrep = CrossingStore::sort(shot.store, arena);
   PLUMBLINE_TRY(rrep);
-  rrep->grid = with_ray(rrep->grid, 0);
   rrep->others = others->data();
   return rrep;
 }
@@ -177,7 +176,6 @@ Expected<ShotObject> shoot_rays(PlacedScan scan, const SliceSettings& settings, 
   const float tolerance = std::max(kLayerShare * grid.layer_height_mm, kNoiseShare * scan.lengths.noise.value);
   const StageProgress progress{job.progress, Stage::kRays};
   shot.has_others = rays_for(settings.grey) > 1;
-  if (shot.has_others) field.grid = with_ray(grid, 0);
   {
     const ArenaScope workers(arena);
     const auto store =

@@ -137,7 +137,6 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
   }
   sliced.support_counts.steps = answer.steps;
   if (rays_for(request.settings.grey) > 1) {
-    sliced.rrep.grid = with_ray(grid, 0);
     const auto others = arena.take_bottom<RRep>(answer.other_rays.size(), "r-rep");
     PLUMBLINE_TRY(others);
     for (std::uint32_t i = 0; i < others->size(); ++i) {

@@ -26,15 +26,14 @@ struct PrintGrid {
   static constexpr std::uint32_t kMaxLayers = 65535;
 };
 
-/// Rays around the middle one of a pixel, where that is not enough: a rotated grid, in which each has a row and a column of quarters of the pixel to
-/// itself.
+/// How many rays a pixel has beside the middle one, for full grey. They form a rotated grid: divide the pixel into 4 x 4 squares, and no two rays
+/// share a row or a column of these.
 inline constexpr std::uint32_t kRaysAround = 4;
-/// @param ray  0: in the middle; 1 to kRaysAround
+/// @param ray  1 to kRaysAround; the middle one is ray 0
 constexpr PrintGrid with_ray(PrintGrid grid, std::uint32_t ray) {
-  constexpr float kPlaces[1 + kRaysAround][2] = {
-      {0.5F, 0.5F}, {0.375F, 0.125F}, {0.875F, 0.375F}, {0.125F, 0.625F}, {0.625F, 0.875F}};
-  grid.ray_x = kPlaces[ray][0];
-  grid.ray_y = kPlaces[ray][1];
+  constexpr float kPlaces[kRaysAround][2] = {{0.375F, 0.125F}, {0.875F, 0.375F}, {0.125F, 0.625F}, {0.625F, 0.875F}};
+  grid.ray_x = kPlaces[ray - 1][0];
+  grid.ray_y = kPlaces[ray - 1][1];
   return grid;
 }
 

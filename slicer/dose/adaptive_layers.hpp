@@ -19,7 +19,6 @@ struct AdaptiveLayers {
   std::uint32_t first_layers = 0;  ///< how many those are
 
   bool wanted() const { return most > 0; }
-  bool operator==(const AdaptiveLayers&) const = default;
 };
 
 /// Chooses the layers of a print. A layer of height h makes stairs of h cos(t) on a surface that is tilted by t, from its peaks to its notches (the

@@ -20,9 +20,8 @@ struct Offset {
   std::int32_t x = 0, y = 0;
 
   explicit Offset(const PrintGrid& grid) {
-    const PrintGrid base = with_ray(grid, 0);
-    x = static_cast<std::int32_t>((grid.ray_x - base.ray_x) * 8);
-    y = static_cast<std::int32_t>((grid.ray_y - base.ray_y) * 8);
+    x = static_cast<std::int32_t>((grid.ray_x - 0.5F) * 8);
+    y = static_cast<std::int32_t>((grid.ray_y - 0.5F) * 8);
   }
 };
 

@@ -51,9 +51,7 @@ class Prover {
 
  private:
   RayLook look(float x, float y, float z) const {
-    // Of the nearest ray.
-    const float column = std::floor(x / grid_.pitch_x_mm - (grid_.ray_x - 0.5F));
-    const float row = std::floor(y / grid_.pitch_y_mm - (grid_.ray_y - 0.5F));
+    const float column = std::floor(x / grid_.pitch_x_mm), row = std::floor(y / grid_.pitch_y_mm);
     if (!(column >= 0 && row >= 0 && column < static_cast<float>(grid_.columns) &&
           row < static_cast<float>(grid_.rows))) {
       return {};

@@ -32,8 +32,8 @@ struct LayerExposure {
   nanoseconds time{};        ///< above 0
 };
 
-/// The exposures of a layer in their order: those of the whole mask, the shortest first, so that the next layer's mask, which takes longest
-/// to make, is made during the longest.
+/// The exposures of a layer, in order. Those of the whole mask come first, the shortest before the others: the next layer's mask takes longest to
+/// make, so it is made during the longest exposure.
 class LayerExposures {
  public:
   static constexpr std::uint32_t kMost = GreyScale::kMostExposures + 2;

@@ -16,10 +16,10 @@ namespace plumbline::firmware {
 
 /// One mask's facts. Times are the processor's: the machine's clock may be virtual.
 struct MaskFacts {
-  std::uint64_t hash = 0;              ///< mask_hash() of the layer's own mask, with its greys
-  std::uint64_t pixels = 0;  ///< of that one which let light through, times the layer's height in parts of PrintPlan::layer_height
-  std::uint32_t exposure = 0;          ///< of the layer's, from 0
-  bool is_last = true;                 ///< exposure of the layer
+  std::uint64_t hash = 0;      ///< mask_hash() of the layer's own mask, with its greys
+  std::uint64_t pixels = 0;    ///< of that mask that let light through, once for each PrintPlan::layer_height of height
+  std::uint32_t exposure = 0;  ///< of the layer's, from 0
+  bool is_last = true;         ///< exposure of the layer
   std::chrono::nanoseconds begin{};    ///< light that the layer has had when the exposure begins,
   std::chrono::nanoseconds end{};      ///< and ends
   std::chrono::nanoseconds making{};   ///< in its source, and of what differs from the layer's own

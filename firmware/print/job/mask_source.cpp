@@ -17,10 +17,12 @@ Expected<StreamMasks> StreamMasks::create(const RRep& rrep, const Supports& supp
   PLUMBLINE_TRY(stream);
   StreamMasks masks(*stream, steps);
   if (!grey.is_known()) return masks;
-  const auto made = GreyMasks::create(rrep, supports, grey, layer_height_mm, arena);
+  CureModel model = grey;  // whose layers are the R-Rep's
+  model.bottom_layers = steps.of(grey.bottom_layers + grey.faded_layers).first;
+  model.faded_layers = 0;
+  const auto made = GreyMasks::create(rrep, supports, model, layer_height_mm, arena);
   PLUMBLINE_TRY(made);
   masks.grey_ = *made;
-  masks.first_grey_ = grey.bottom_layers + grey.faded_layers;
   return masks;
 }
 
@@ -28,8 +30,7 @@ Expected<ConstBitImage> StreamMasks::mask(std::uint32_t layer) {
   const LayerStep step = steps_.of(layer);
   const ConstBitImage mask = stream_.mask(step.sampled());
   // No ray enters in the middle of a higher layer of an adaptive print: those are where surfaces are too steep for stairs.
-  has_greys_ = grey_.has_value() && layer >= first_grey_;
-  return has_greys_ ? grey_->find(step.sampled(), stream_, mask) : mask;
+  return grey_ ? grey_->find(step.sampled(), stream_, mask) : mask;
 }
 
 Expected<ArchiveMasks> ArchiveMasks::create(int file, std::string_view name, const PrintGrid& grid,

@@ -44,18 +44,16 @@ class StreamMasks final : public MaskSource {
   [[nodiscard]] static Expected<StreamMasks> create(const RRep& rrep, const Supports& supports, const CureModel& grey,
                                                     double layer_height_mm, Arena& arena, const LayerSteps& steps = {});
 
-  /// Its layers are those of the print, its layer height is the R-Rep's.
+  /// Counts the print's layers; the layer height is still the R-Rep's.
   const PrintGrid& grid() const override { return grid_; }
   Expected<ConstBitImage> mask(std::uint32_t layer) override;
-  std::span<const GreyRun> greys() const override { return has_greys_ ? grey_->greys() : std::span<const GreyRun>(); }
+  std::span<const GreyRun> greys() const override { return grey_ ? grey_->greys() : std::span<const GreyRun>(); }
 
  private:
   MaskStream stream_;
   PrintGrid grid_;
   LayerSteps steps_;
   std::optional<GreyMasks> grey_;
-  std::uint32_t first_grey_ = 0;  ///< layer of the print
-  bool has_greys_ = false;        ///< the mask that was given last
 };
 
 /// Decodes a layer of an archive.

@@ -469,7 +469,7 @@ Expected<bool> PrintJob::expose(const MaskFacts& shown) {
   PLUMBLINE_TRY(watch_.wait_for(*exposure));
   const auto report = exposure->finish();
   PLUMBLINE_TRY(report);
-  // What is measured of a whole exposure is not exact, and the next one begins where this was to end.
+  // A whole exposure counts as it was asked for: measured times are a little off, and the next one begins where this one was to end.
   entry_.lit = report->end == ExposureEnd::kTimeUp ? shown.end : entry_.lit + report->lit;
   entry_.lamp += report->lit;
   record(*report, shown);

@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -78,10 +77,8 @@ class Rays {
 
   /// mm
   Vec3d middle(const VoxelFace& face) const {
-    // The voxels that the crossings tell of lie around the rays.
-    const std::array<double, 3> ray = {double{grid_.ray_x} - 0.5, double{grid_.ray_y} - 0.5, 0};
-    const auto at = [&](std::int64_t i, int axis) {
-      return static_cast<double>(i) + (face.axis == axis ? 0 : 0.5) + ray[static_cast<std::size_t>(axis)];
+    const auto at = [&face](std::int64_t i, int axis) {
+      return static_cast<double>(i) + (face.axis == axis ? 0 : 0.5);
     };
     return {at(face.column, 0) * double{grid_.pitch_x_mm}, at(face.row, 1) * double{grid_.pitch_y_mm},
             face.axis == 2 ? double{face.z_mm} : at(face.layer, 2) * double{grid_.layer_height_mm}};

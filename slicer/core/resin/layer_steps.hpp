@@ -28,12 +28,10 @@ class LayerSteps {
     std::uint16_t layers_end = 0;  ///< of the print, after the run
     std::uint16_t rrep_end = 0;    ///< of the R-Rep, after the run
     std::uint16_t step = 1;
-    bool operator==(const Run&) const = default;
   };
 
   /// Each layer is one of the R-Rep.
   LayerSteps() = default;
-  bool operator==(const LayerSteps&) const = default;
 
   bool all_one() const { return count_ == 0; }
   std::span<const Run> runs() const { return std::span(runs_).first(count_); }

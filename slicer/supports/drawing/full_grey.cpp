@@ -46,7 +46,6 @@ struct FullGrey::Ray {
 
 /// What is known of a layer while it is looked through.
 struct FullGrey::Layer {
-  bool is_grey = false;
   bool is_last = false;
   std::array<Ray, 1 + kRaysAround> rays;
   std::uint32_t next = kNone;  ///< the least pixel that is crossed
@@ -160,7 +159,7 @@ void FullGrey::find_in_word(Layer& layer, std::uint32_t row, std::uint32_t word)
     std::uint32_t level = (sum + kRaysAround / 2) / kRaysAround;
     const bool is_top = 2 * ending > lit || (layer.is_last && lit > 0);
     const bool is_checked = (words[0].mask >> bit & 1U) != 0;
-    if (!layer.is_grey || (is_top && lit < kRaysAround)) level = is_checked ? kFullLevel : 0U;
+    if (is_top && lit < kRaysAround) level = is_checked ? kFullLevel : 0U;
     // What the checks have seen cures, and what cures in addition is beside it: so all hangs together as they have found.
     if (is_checked) {
       level = std::max(level, levels_.least);
@@ -176,15 +175,14 @@ void FullGrey::find_in_word(Layer& layer, std::uint32_t row, std::uint32_t word)
 
 void FullGrey::find(std::uint32_t layer, ConstBitImage section, ConstBitImage mask, BitImage image, GreyRuns& greys) {
   greys.clear();
+  if (layer < first_) return;
   Layer all;
-  all.is_grey = layer >= first_;
   all.is_last = layer + 1 == rrep_->grid.layers;
   all.image = image;
   all.greys = &greys;
   for (std::size_t i = 0; i < 1 + kRaysAround; ++i) {
     Ray& ray = all.rays[i];
     ray.mask = i == 0 ? mask : others_[i - 1]->mask(layer);
-    if (!all.is_grey) continue;
     ray.section = i == 0 ? section : others_[i - 1]->section();
     const RRep& rrep = i == 0 ? *rrep_ : rrep_->others[i - 1];
     const auto bucket = [&](std::uint32_t k) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "firmware/print/truth/rrep_surface.hpp"
 #include "tests/slicer/support/solid.hpp"
@@ -13,15 +12,12 @@ namespace plumbline::firmware {
 namespace {
 
 TEST(TrueSurface, OfAnRRepIsThatOfItsBall) {
-  // The last one has ray 0 of four, which is not at the pixels' centres.
-  for (const auto& [layer_mm, is_ray0] : {std::pair(0.05F, false), std::pair(0.1F, false), std::pair(0.05F, true)}) {
+  for (const float layer_mm : {0.05F, 0.1F}) {
     PrintGrid grid = testing::cubic_grid(240, static_cast<std::uint32_t>(std::lround(12 / layer_mm)), 0.05F);
     grid.layer_height_mm = layer_mm;
-    if (is_ray0) grid = with_ray(grid, 0);
     const double tall = static_cast<double>(layer_mm) / 0.05;
     const testing::Solid ball(grid, [&](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
-      const double x = c + static_cast<double>(grid.ray_x), y = r + static_cast<double>(grid.ray_y);
-      return std::hypot(x - 120, y - 121.3, (k + 0.5) * tall - 110.7) < 95;
+      return std::hypot(c + 0.5 - 120, r + 0.5 - 121.3, (k + 0.5) * tall - 110.7) < 95;
     });
     const TrueSurface surface = surface_samples(ball.rrep);
     EXPECT_EQ(surface.name, "r-rep");

@@ -22,7 +22,7 @@ constexpr std::uint32_t kColumns = 100, kRows = 70, kLayers = 40;
 using Heights = std::function<std::optional<std::pair<double, double>>(double x, double y)>;
 
 RRep ray_of(PrintGrid grid, std::uint32_t ray, const Heights& heights, Arena& arena) {
-  grid = with_ray(grid, ray);
+  if (ray > 0) grid = with_ray(grid, ray);
   const CrossingPacking packing(grid);
   std::vector<std::vector<std::uint32_t>> layers(grid.layers);
   for (std::uint32_t pixel = 0; pixel < grid.columns * grid.rows; ++pixel) {
