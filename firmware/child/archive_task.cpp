@@ -8,7 +8,6 @@
 #include "firmware/child/scan_task.hpp"
 #include "firmware/child/shared_progress.hpp"
 #include "firmware/pictures/issue_picture.hpp"
-#include "firmware/pictures/side_pictures.hpp"
 #include "firmware/print/job/archive_glance.hpp"
 #include "firmware/print/job/sliced_archive.hpp"
 #include "firmware/settings/job_options.hpp"
@@ -58,7 +57,7 @@ Status check(SharedMemory& memory) {
   // If the arena has no room for them, the job has no pictures.
   if (!sliced->rrep.first.empty()) {
     static_cast<void>(draw_preview_picture(sliced->rrep, Supports{}, arena, page.pictures.preview));
-    static_cast<void>(draw_side_pictures(sliced->rrep, Supports{}, arena, page.pictures.sides));
+    static_cast<void>(make_part_model(sliced->rrep, Supports{}, ConfidenceMap(), arena, page.pictures.part));
   }
   arena.release_bottom(sliced->layers_end);  // the R-Rep's room
   static_cast<void>(draw_issues(*sliced, page.request.name.view(), arena, page.pictures.issues));

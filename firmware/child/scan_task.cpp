@@ -8,7 +8,6 @@
 #include "firmware/child/shared_progress.hpp"
 #include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/orientation_picture.hpp"
-#include "firmware/pictures/side_pictures.hpp"
 #include "firmware/print/job/sliced_scan.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/job_report.hpp"
@@ -140,7 +139,8 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
     static_cast<void>(draw_preview_picture(sliced->rrep, sliced->supports, arena, page.pictures.preview));
     static_cast<void>(
         draw_issues_picture(sliced->findings, sliced->rrep, sliced->supports, arena, page.pictures.issues));
-    static_cast<void>(draw_side_pictures(sliced->rrep, sliced->supports, arena, page.pictures.sides));
+    static_cast<void>(make_part_model(sliced->rrep, sliced->supports, report.mesh ? ConfidenceMap() : report.confidence,
+                                      arena, page.pictures.part));
     // Of a mesh all is known.
     if (!report.mesh) {
       static_cast<void>(draw_coverage_picture(sliced->rrep, report.confidence, arena, page.pictures.coverage));

@@ -78,11 +78,11 @@ Expected<std::uint32_t> DaemonCommands::take_upload(const ClientRequest& upload,
   return uploads_.begin(upload, std::move(from));
 }
 
-Expected<bool> DaemonCommands::draw_mask(std::uint32_t layer, LayerPicture& picture) {
+Expected<bool> DaemonCommands::draw_mask(std::uint32_t layer, const MaskWindow& window, MaskPicture& picture) {
   if (masks == nullptr) {
     return fail(ErrorCode::kBadSetting, "there are no masks now.\tAsk again while what has been sliced is offered");
   }
-  return masks->draw(layer, picture);
+  return masks->draw(layer, window, picture);
 }
 
 Expected<CommandTaker::ReportPart> DaemonCommands::read_report(std::uint64_t from, std::span<std::byte> out) {

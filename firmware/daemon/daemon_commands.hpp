@@ -33,7 +33,7 @@ class DaemonCommands final : public CommandTaker {
 
   /// Called while the daemon waits for an event. A command that answers a question becomes the button that does.
   Expected<std::optional<EventKind>> take(const ClientRequest& request) override;
-  Expected<bool> draw_mask(std::uint32_t layer, LayerPicture& picture) override;
+  Expected<bool> draw_mask(std::uint32_t layer, const MaskWindow& window, MaskPicture& picture) override;
   Expected<std::uint32_t> take_upload(const ClientRequest& upload, Descriptor from) override;
   Expected<ReportPart> read_report(std::uint64_t from, std::span<std::byte> out) override;
 

@@ -34,7 +34,7 @@ OfferedArchiveMasks::~OfferedArchiveMasks() {
   arena_.release_bottom(bottom_);
 }
 
-Expected<bool> OfferedArchiveMasks::draw(std::uint32_t layer, LayerPicture& picture) {
+Expected<bool> OfferedArchiveMasks::draw(std::uint32_t layer, const MaskWindow& window, MaskPicture& picture) {
   if (layer >= sliced_.grid.layers) return no_such_layer(layer, sliced_.grid.layers);
   look();
   if (done_ == layer) {
@@ -42,7 +42,7 @@ Expected<bool> OfferedArchiveMasks::draw(std::uint32_t layer, LayerPicture& pict
       done_.reset();  // whoever asks again lets it be tried again
       return tl::unexpected<Error>(*problem_);
     }
-    draw_layer_picture(mask_, picture);
+    draw_mask_window(mask_, greys_.runs(), {}, window, picture);
     return true;
   }
   if (asked_) return false;

@@ -33,7 +33,7 @@ class OfferedArchiveMasks final : public OfferedMasks {
 
   /// A layer is kept until another one is asked for, so that everybody who waits for it gets it.
   /// @retval ErrorCode::kMalformed  it can't be decoded, or is not the one that was checked
-  Expected<bool> draw(std::uint32_t layer, LayerPicture& picture) override;
+  Expected<bool> draw(std::uint32_t layer, const MaskWindow& window, MaskPicture& picture) override;
 
  private:
   using HostClock = std::chrono::steady_clock;
@@ -50,7 +50,7 @@ class OfferedArchiveMasks final : public OfferedMasks {
   std::size_t bottom_;
   ArenaScope top_;
   BitImage mask_;                       ///< the layer that was decoded last
-  GreyRuns greys_;                      ///< of it: only for its hash
+  GreyRuns greys_;                      ///< of it
   std::optional<std::uint32_t> asked_;  ///< the layer that the child decodes
   HostClock::time_point asked_at_;
   std::optional<std::uint32_t> done_;  ///< the layer that it decoded last,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "firmware/daemon/offered_archive.hpp"
+#include "firmware/daemon/remedies.hpp"
 #include "firmware/daemon/scan_glances.hpp"
 #include "firmware/daemon/stick/job_setting.hpp"
 #include "firmware/daemon/stick/stick_reports.hpp"
@@ -52,8 +53,8 @@ PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, S
   assign(record.printer, settings.board.name);
   record.simulated = settings.machine.simulated;
   record.has_report = has_report();
-  const std::uint32_t step = layer_picture_step(settings.board.columns, settings.board.rows);
-  record.mask_pixel_mm = {step * settings.board.pixel_pitch_x_mm, step * settings.board.pixel_pitch_y_mm};
+  record.mask_pixels = {settings.board.columns, settings.board.rows};
+  record.mask_pixel_mm = {settings.board.pixel_pitch_x_mm, settings.board.pixel_pitch_y_mm};
   for (const std::string& name : settings.profiles) {
     if (record.profile_count < record.profiles.size()) assign(record.profiles[record.profile_count++], name);
   }
@@ -260,15 +261,17 @@ Status PrinterDaemon::propose(const StickMount& mount, StickOffer& offer) {
 
 Expected<std::optional<Contract>> PrinterDaemon::agree(std::string_view name, const PrintGrid& grid,
                                                        const StackFindings& findings, PrintProfile& profile,
-                                                       const MakeContract& make, const MakeMasks& masks) {
+                                                       const MakeContract& make, const MakeMasks& masks,
+                                                       const std::function<Remedies(const Told&)>& mends) {
   auto contract = make(profile);
   PLUMBLINE_TRY(contract);
   // Without room for the masks there are none to look at.
-  const auto to_look_at = masks();
+  const auto to_look_at = masks(*contract);
   OfferedContract offered(name, *contract, profile, make, observer_);
   offered.tell();
   for_each_issue(findings, grid, profile.checks, [&](IssueKind kind, CheckAction, std::string_view sentence) {
-    observer_.warn(sentence, told_issue(kind, findings, grid));
+    const Told told = told_issue(kind, findings, grid);
+    observer_.warn(sentence, told, mends ? mends(told) : Remedies(), places_of(kind, findings, grid));
   });
   const CheckAction action = verdict(findings, profile.checks);
   if (action == CheckAction::kRefuse) {
@@ -302,7 +305,8 @@ Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, const Sl
       [&](const PrintProfile& profile) {
         return contract_of(sliced, job.request.settings, profile, settings_.machine);
       },
-      [&] { return OfferedScanMasks::create(sliced, arena_); });
+      [&](const Contract& made) { return OfferedScanMasks::create(sliced, made.plan.grey, arena_); },
+      [&](const Told& told) { return remedies_of(told, job.job, job.request.settings.supports.has_value()); });
   PLUMBLINE_TRY(contract);
   if (!*contract) return std::nullopt;
   return printable_of(sliced, name, job.profile.name, **contract);
@@ -320,7 +324,7 @@ Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, JobStore
   const auto contract = agree(
       name, sliced->grid, sliced->findings, job.profile,
       [&](const PrintProfile& changed) { return contract_of(*sliced, changed, settings_.machine); },
-      [&] {
+      [&](const Contract&) {
         return OfferedArchiveMasks::create(archive.file.get(), name, *sliced, decoder_,
                                            settings_.machine.panel.grey.has_grey(), arena_);
       });
@@ -408,7 +412,9 @@ Expected<PrinterDaemon::ReadJob> PrinterDaemon::read_job(const StickMount& mount
   read.scan = sliced->sliced;
   observer_.previewed(child_.pictures());
   for (std::size_t i = 0; i < sliced->remarks; ++i) {
-    observer_.warn(at_printer(sliced->remark_told[i], sliced->remark[i].view()).view(), sliced->remark_told[i]);
+    const Told& told = sliced->remark_told[i];
+    observer_.warn(at_printer(told, sliced->remark[i].view()).view(), told,
+                   remedies_of(told, job, request->settings.supports.has_value()));
   }
   return read;
 }
@@ -425,9 +431,7 @@ Status PrinterDaemon::print_job(PrintSession& session, ReadJob job) {
     PLUMBLINE_TRY(session.take(**std::move(wanted)));
     return true;
   };
-  commands_.slice_again = [&](std::string_view key, std::string_view value) {
-    return slice_again(job, key, value);
-  };
+  commands_.slice_again = [&](std::string_view key, std::string_view value) { return slice_again(job, key, value); };
   const auto taken = take();
   commands_.slice_again = nullptr;
   if (!taken || !*taken) store_.drop_received();

@@ -84,13 +84,14 @@ class PrinterDaemon {
   /// Finds the best ways up of what is offered.
   Status propose(const StickMount& mount, StickOffer& offer);
   using MakeContract = std::function<Expected<Contract>(const PrintProfile& profile)>;
-  using MakeMasks = std::function<Expected<std::unique_ptr<OfferedMasks>>()>;
+  using MakeMasks = std::function<Expected<std::unique_ptr<OfferedMasks>>(const Contract&)>;
   /// Tells what will be done and what the checks found, then refuses the job, asks a person or goes on, as profile and board file say.
   /// @param profile  gets what the person changes
   /// @param masks    to look at meanwhile
   /// @returns the contract to carry out; none: nobody wants that, and the state says why
   Expected<std::optional<Contract>> agree(std::string_view name, const PrintGrid& grid, const StackFindings& findings,
-                                          PrintProfile& profile, const MakeContract& make, const MakeMasks& masks);
+                                          PrintProfile& profile, const MakeContract& make, const MakeMasks& masks,
+                                          const std::function<Remedies(const Told&)>& mends = {});
   /// @returns what to print of a job; none: nobody wants it
   Expected<std::optional<Printable>> prepare(ReadJob& job, const SlicedScan& sliced);
   /// The same of an archive that was copied; a child checks it first. The job's profile gets the archive's exposures.

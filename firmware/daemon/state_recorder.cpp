@@ -1,5 +1,6 @@
 #include "firmware/daemon/state_recorder.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "firmware/io/wall_clock.hpp"
@@ -68,12 +69,11 @@ void StateRecorder::previewed(const SlicedPictures& drawn) {
   pictures_->preview_number += take(drawn.preview, pictures_->preview) ? 1 : 0;
   pictures_->issues_number += take(drawn.issues, pictures_->issues) ? 1 : 0;
   pictures_->coverage_number += take(drawn.coverage, pictures_->coverage) ? 1 : 0;
-  bool all = true;
-  for (std::size_t i = 0; i < kSideCount; ++i) all = take(drawn.sides[i], pictures_->sides[i]) && all;
-  if (!all) {
-    for (SidePicture& side : pictures_->sides) side.clear();
-  }
-  pictures_->side_number += all ? 1 : 0;
+  const std::uint32_t size = drawn.part.size;
+  if (size == 0 || size > PartModel::kMostBytes) return;
+  std::copy_n(drawn.part.memory.begin(), size, pictures_->part.memory.begin());
+  pictures_->part.size = size;
+  ++pictures_->part_number;
 }
 
 void StateRecorder::glanced(std::size_t scan, const ScanPicture& drawn) {
@@ -283,9 +283,10 @@ void StateRecorder::begins(const Contract& contract) {
   observer_.begins(contract);
 }
 
-void StateRecorder::warn(std::string_view sentence, const Told& told) {
+void StateRecorder::warn(std::string_view sentence, const Told& told, const Remedies& remedies,
+                         const IssuePlaces& places) {
   tell(sentence, told);
-  record_.add_finding(Severity::kWarning, sentence, told);
+  record_.add_finding(Severity::kWarning, sentence, told, remedies, places);
 }
 
 void StateRecorder::refused(FaultCode code, const Error& error) {

@@ -78,7 +78,7 @@ class StateRecorder final : public DaemonObserver {
   /// Says what the state alone does not.
   void tell(const PrintableText& text, const Told& told);
   /// Says something that whoever prints should know.
-  void warn(std::string_view sentence, const Told& told);
+  void warn(std::string_view sentence, const Told& told, const Remedies& remedies = {}, const IssuePlaces& places = {});
   /// Says why a job can't be printed and what to do, for somebody who has buttons and a stick.
   void refused(FaultCode code, const Error& error);
   /// Shows a code on the printer's screen, for kCodeTime. @param code  empty: no longer

@@ -277,6 +277,10 @@ struct HttpServer::Parts {
     request.token = header(connection, "Plumbline-Token");
     request.takes_gzip = takes_gzip(header(connection, "Accept-Encoding"));
     if (const auto n = to_number<std::uint32_t>(header(connection, "n", MHD_GET_ARGUMENT_KIND))) request.n = *n;
+    for (std::size_t i = 0; i < request.window.size(); ++i) {
+      constexpr const char* kNames[] = {"x", "y", "step"};
+      request.window[i] = to_number<std::uint32_t>(header(connection, kNames[i], MHD_GET_ARGUMENT_KIND)).value_or(0);
+    }
     request.address = address_of(connection);
     request.job = header(connection, "job", MHD_GET_ARGUMENT_KIND);
     request.body = {exchange.body.data(), exchange.filled};
@@ -304,8 +308,8 @@ struct HttpServer::Parts {
       note(connection, true, false);
       return queue(connection, kTooMany);
     }
-    const bool is_report = what.kind == HttpStream::Kind::kReport;
-    const Response response(MHD_create_response_from_callback(is_report ? what.size : MHD_SIZE_UNKNOWN, 4096, on_read,
+    const bool is_file = what.kind == HttpStream::Kind::kParts;
+    const Response response(MHD_create_response_from_callback(is_file ? what.size : MHD_SIZE_UNKNOWN, 4096, on_read,
                                                               stream, on_stream_end));
     if (!response) return MHD_NO;
     stream->connection = connection;

@@ -23,11 +23,12 @@ namespace plumbline::firmware::inline page {
 struct HttpRequest {
   std::string_view method, path;
   std::string_view host, origin, content_type;
-  std::string_view token;          ///< header Plumbline-Token
-  bool takes_gzip = false;         ///< as an answer's encoding
-  std::optional<std::uint32_t> n;  ///< ?n=
-  ClientAddress address;           ///< whose
-  std::string_view job;            ///< ?job=
+  std::string_view token;                 ///< header Plumbline-Token
+  bool takes_gzip = false;                ///< as an answer's encoding
+  std::optional<std::uint32_t> n;         ///< ?n=
+  std::array<std::uint32_t, 3> window{};  ///< ?x=, ?y=, ?step=; 0: not there
+  ClientAddress address;                  ///< whose
+  std::string_view job;                   ///< ?job=
   std::string_view body;
 };
 
@@ -52,14 +53,15 @@ struct HttpTicket {
 struct HttpStream {
   enum class Kind : std::uint8_t {
     kEvents,  ///< server-sent events, without end
-    kReport,  ///< of `size` bytes
+    kParts,   ///< a file of `size` bytes
   };
-  /// For what is sent next: an event, or a part of a report.
+  /// For what is sent next: an event, or a part of a file.
   static constexpr std::size_t kRoom = kLongestLine + 64;
 
   Kind kind = Kind::kEvents;
   std::uint64_t size = 0;
-  std::uint32_t n = 0;  ///< ?n= of the request that it answers; 0: it had none
+  std::uint32_t n = 0;    ///< ?n= of the request that it answers; 0: it had none
+  std::uint64_t job = 0;  ///< a file of this job; 0: the report of a print
   const char* type = "text/event-stream";
   const char* save_as = nullptr;
 };

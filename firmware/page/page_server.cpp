@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kMostPng = kLongestLine / 4 * 3;
 constexpr std::string_view kPicturePath = "/picture/";
 constexpr std::string_view kPrintPicturePath = "/print.png";
-constexpr std::string_view kSidePath = "/side";
+constexpr std::string_view kPartPath = "/part";
 constexpr std::string_view kProposalPath = "/proposal";
 constexpr std::string_view kScanPath = "/scan.png";
 constexpr std::string_view kBodyPath = "/upload/body";
@@ -110,9 +110,9 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   }
   const bool is_picture = request.path.starts_with(kPicturePath);
   const bool is_mask = request.path == "/mask", is_report = request.path == "/report.json";
-  const bool is_print = request.path == kPrintPicturePath, is_side = request.path == kSidePath;
+  const bool is_print = request.path == kPrintPicturePath, is_part = request.path == kPartPath;
   const bool is_proposal = request.path == kProposalPath, is_scan = request.path == kScanPath;
-  if (!is_picture && !is_mask && !is_report && !is_print && !is_side && !is_proposal && !is_scan &&
+  if (!is_picture && !is_mask && !is_report && !is_print && !is_part && !is_proposal && !is_scan &&
       request.path != "/state")
     return text_.refuse(404, "there is no such page");
   if (state_.view().empty()) return text_.no_daemon();
@@ -122,23 +122,22 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   if (!request.job.empty() && !named)
     return text_.refuse(400, "which job?", "Ask with job=, the id of the state's job");
   const std::uint64_t job = named.value_or(job_of(state_.view()));
+  if (is_part && job == 0) return text_.refuse(404, "there is no job now");
   if (is_picture) {
     const std::string_view name = request.path.substr(kPicturePath.size());
     const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), name);
     if (word == kPictureWords.end()) return text_.refuse(404, "there is no such picture");
     return picture(static_cast<PictureName>(word - kPictureWords.begin()), job, ticket);
   }
-  // The preview of a print that is kept is one picture in one reply, as a mask is, and so is a side or a proposal.
-  const PrinterQuestion question{.kind = is_report ? Kind::kReportBegin : Kind::kMask,
+  // The preview of a print that is kept is one picture in one reply, as a mask is, and so is a proposal.
+  const PrinterQuestion question{.kind = is_report || is_part ? Kind::kFileBegin : Kind::kMask,
                                  .ticket = ticket,
+                                 .job = is_part ? job : 0,
                                  .print = is_report ? request.n.value_or(0) : 0};
-  FixedText<100> what;
+  FixedText<140> what;
   if (is_print) {
     if (request.n.value_or(0) == 0) return text_.refuse(400, "which print?", "Ask for /print.png?n=1");
     what.add(R"("do": "picture", "picture": "preview", "print": %u)", *request.n);
-  } else if (is_side) {
-    if (request.n.value_or(kSideCount) >= kSideCount) return text_.refuse(400, "which side?", "Ask for /side?n=0");
-    what.add(R"("do": "picture", "picture": "side", "side": %u%s)", *request.n, job_member(job).c_str());
   } else if (is_proposal) {
     if (request.n.value_or(kProposalCount) >= kProposalCount)
       return text_.refuse(400, "which proposal?", "Ask for /proposal?n=1");
@@ -149,9 +148,11 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
     what.add(R"("do": "picture", "picture": "scan", "scan": %u)", scan);
   } else if (is_mask) {
     if (!request.n) return text_.refuse(400, "which layer?", "Ask for /mask?n=0");
-    what.add(R"("do": "mask", "layer": %u%s)", *request.n, job_member(job).c_str());
+    const auto& [x, y, step] = request.window;
+    what.add(R"("do": "mask", "layer": %u, "x": %u, "y": %u, "step": %u%s)", *request.n, x, y, step,
+             job_member(job).c_str());
   } else {
-    what = report_question(question.print, 0);
+    what.add("%s", file_question(question.print, question.job, 0).c_str());
   }
   if (!questions_.ask(question, what.c_str())) return text_.refuse(503, "the printer is busy");
   return HttpLater{};
@@ -341,7 +342,7 @@ void PageServer::ended(const HttpTicket& ticket) { uploads_.ended(ticket); }
 
 void PageServer::answer_question(HttpServer& server, const PrinterQuestion& asked, std::string_view line) {
   const bool is_done = json_member(line, "ok") == "true";
-  const bool for_stream = asked.kind == Kind::kReportPart;
+  const bool for_stream = asked.kind == Kind::kFilePart;
   const bool is_command = asked.kind == Kind::kCommand || asked.kind == Kind::kUpload;
   if (asked.kind == Kind::kUpload) uploads_.answered(is_done ? line : std::string_view());
   if (!is_done && !for_stream) {
@@ -369,15 +370,17 @@ void PageServer::answer_question(HttpServer& server, const PrinterQuestion& aske
                                           .type = "image/png",
                                           .body = {reinterpret_cast<const char*>(picture.png.data()), picture.size}});
     }
-    case Kind::kReportBegin: {
+    case Kind::kFileBegin: {
       // The answer only says how long it is: a stream asks for it again, from its start.
-      return server.begin_stream(asked.ticket, {.kind = HttpStream::Kind::kReport,
-                                                .size = whole_number(json_member(line, "size")).value_or(0),
-                                                .n = asked.print,
-                                                .type = "application/json",
-                                                .save_as = "report.json"});
+      return server.begin_stream(asked.ticket,
+                                 {.kind = HttpStream::Kind::kParts,
+                                  .size = whole_number(json_member(line, "size")).value_or(0),
+                                  .n = asked.print,
+                                  .job = asked.job,
+                                  .type = asked.job == 0 ? "application/json" : "application/octet-stream",
+                                  .save_as = asked.job == 0 ? "report.json" : nullptr});
     }
-    case Kind::kReportPart: {
+    case Kind::kFilePart: {
       const auto data = is_done ? plain_text(json_member(line, "data")) : std::string_view();
       // A report that has become shorter, or can't be read any more, ends the download.
       if (!streams_.put_report(asked.stream, data)) return server.fail(asked.stream);
@@ -393,7 +396,7 @@ void PageServer::end_questions(HttpServer& server, PrinterLink& link, PrinterQue
     // The printer must not do later what a browser has given up: it carries out no command of a connection that has ended.
     if (&link == &commands_) link.end();
     if (asked->kind == Kind::kUpload) uploads_.answered({});
-    if (asked->kind == Kind::kReportPart) {
+    if (asked->kind == Kind::kFilePart) {
       server.fail(asked->stream);
     } else if (&link == &commands_) {
       server.finish(asked->ticket,
@@ -437,8 +440,8 @@ std::optional<std::size_t> PageServer::fill(std::size_t stream, const HttpStream
   }
   if (what.kind == HttpStream::Kind::kEvents) return streams_.write_event(stream, state_.view(), out);
   if (const std::size_t written = streams_.write_report(stream, out); written > 0) return written;
-  const PrinterQuestion question{.kind = Kind::kReportPart, .stream = stream};
-  if (!questions_.ask(question, report_question(what.n, sent).c_str())) return std::nullopt;
+  const PrinterQuestion question{.kind = Kind::kFilePart, .stream = stream};
+  if (!questions_.ask(question, file_question(what.n, what.job, sent).c_str())) return std::nullopt;
   return 0;
 }
 

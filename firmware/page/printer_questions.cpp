@@ -45,7 +45,7 @@ std::optional<PrinterQuestion> PrinterQuestions::take_late(HostClock::time_point
 
 void PrinterQuestions::forget(std::size_t stream) {
   for (PrinterQuestion& question : list_) {
-    if (question.kind == Kind::kReportPart && question.stream == stream) question = {};
+    if (question.kind == Kind::kFilePart && question.stream == stream) question = {};
   }
 }
 

@@ -14,14 +14,14 @@
 namespace plumbline::firmware::inline page {
 
 struct PrinterQuestion {
-  enum class Kind : std::uint8_t { kNone, kCommand, kUpload, kPicture, kMask, kReportBegin, kReportPart };
+  enum class Kind : std::uint8_t { kNone, kCommand, kUpload, kPicture, kMask, kFileBegin, kFilePart };
   Kind kind = Kind::kNone;
   std::uint64_t id = 0;
   HttpTicket ticket{};
   std::size_t stream = 0;
   PictureName picture = PictureName::kPreview;
-  std::uint64_t job = 0;    ///< of kPicture: whose
-  std::uint32_t print = 0;  ///< of kReportBegin: 0: the last one
+  std::uint64_t job = 0;    ///< of kPicture, kFileBegin: whose
+  std::uint32_t print = 0;  ///< of kFileBegin: 0: the last one
   std::chrono::steady_clock::time_point until{};
 };
 

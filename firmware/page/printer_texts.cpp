@@ -31,9 +31,10 @@ FixedText<160> question_line(const char* what, std::uint64_t id) {
   return line;
 }
 
-FixedText<100> report_question(std::uint32_t print, std::uint64_t from) {
+FixedText<100> file_question(std::uint32_t print, std::uint64_t job, std::uint64_t from) {
   FixedText<100> what;
-  what.add(R"("do": "report", "from": %llu)", static_cast<unsigned long long>(from));
+  what.add(R"("do": %s, "from": %llu%s)", job == 0 ? R"("report")" : R"("picture", "picture": "part")",
+           static_cast<unsigned long long>(from), job_member(job).c_str());
   if (print > 0) what.add(R"(, "print": %u)", print);
   return what;
 }

@@ -24,8 +24,8 @@ FixedText<40> job_member(std::uint64_t job);
 /// @param what  members of the question, as JSON
 FixedText<160> question_line(const char* what, std::uint64_t id);
 
-/// What asks for a report from its byte `from` on.
+/// What asks for a report, or for the model of a job, from its byte `from` on.
 /// @param print  0: the last one
-FixedText<100> report_question(std::uint32_t print, std::uint64_t from);
+FixedText<100> file_question(std::uint32_t print, std::uint64_t job, std::uint64_t from);
 
 }  // namespace plumbline::firmware::inline page

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/pictures/coverage_views.hpp"
+#include "firmware/pictures/mask_squares.hpp"
 #include "firmware/pictures/png.hpp"
 #include "firmware/pictures/preview/preview_views.hpp"
 
@@ -15,16 +16,6 @@ namespace {
 // Pages of the pictures' own sizes: a full page that is reduced afterwards costs over ten times as much.
 constexpr Page kSmallPreview = page_of_views(PreviewPicture::kMostColumns, PreviewPicture::kMostRows, 20);
 constexpr Page kSmallCoverage = page_of_views(CoveragePicture::kMostColumns, CoveragePicture::kMostRows, 20);
-
-/// Pixels that are set among `count` from `begin` on; at most 64.
-std::uint32_t count_bits(std::span<const std::uint64_t> row, std::uint32_t begin, std::uint32_t count) {
-  const std::size_t word = begin / 64;
-  const std::uint32_t shift = begin % 64;
-  std::uint64_t bits = row[word] >> shift;
-  if (shift > 0 && word + 1 < row.size()) bits |= row[word + 1] << (64 - shift);
-  if (count < 64) bits &= (std::uint64_t{1} << count) - 1;
-  return count_ones(bits);
-}
 
 /// The largest picture, in the memory of one that may be smaller.
 template <class Small>
@@ -101,31 +92,19 @@ Expected<std::span<std::uint8_t>> draw_thumbnail(const RRep& rrep, const Support
   return *memory;
 }
 
-std::uint32_t layer_picture_step(std::uint32_t columns, std::uint32_t rows) {
-  // At most 64, since a grid has at most 16384 pixels a side.
-  return (std::max(columns, rows) + LayerPicture::kMostColumns - 1) / LayerPicture::kMostColumns;
-}
-
 void draw_layer_picture(ConstBitImage mask, LayerPicture& picture) {
-  const std::uint32_t side = layer_picture_step(mask.columns(), mask.rows());
+  // At most 64, since a grid has at most 16384 pixels a side.
+  const std::uint32_t side =
+      (std::max(mask.columns(), mask.rows()) + LayerPicture::kMostColumns - 1) / LayerPicture::kMostColumns;
   picture.columns = (mask.columns() + side - 1) / side;
   picture.rows = (mask.rows() + side - 1) / side;
   const std::span<std::uint8_t> out = picture.bytes();
-  std::array<std::uint32_t, LayerPicture::kMostColumns> sums{};
-  for (std::uint32_t y = 0; y < picture.rows; ++y) {
-    sums.fill(0);
-    const std::uint32_t end = std::min((y + 1) * side, mask.rows());
-    for (std::uint32_t r = y * side; r < end; ++r) {
-      const auto row = mask.row(r);
-      for (std::uint32_t x = 0; x < picture.columns; ++x) {
-        sums[x] += count_bits(row, x * side, std::min(side, mask.columns() - x * side));
-      }
-    }
-    for (std::uint32_t x = 0; x < picture.columns; ++x) {
-      const std::uint32_t pixels = (end - y * side) * std::min(side, mask.columns() - x * side);
-      out[std::size_t{y} * picture.columns + x] = static_cast<std::uint8_t>((sums[x] * 255 + pixels / 2) / pixels);
-    }
-  }
+  for_each_square(
+      mask, {.side = side, .columns = picture.columns, .rows = picture.rows},
+      [&](std::uint32_t row, std::size_t word) { return mask.row(row)[word]; },
+      [&](std::uint32_t x, std::uint32_t y, std::uint32_t count, std::uint32_t pixels) {
+        out[std::size_t{y} * picture.columns + x] = static_cast<std::uint8_t>((count * 255 + pixels / 2) / pixels);
+      });
 }
 
 }  // namespace plumbline::firmware::inline pictures

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "firmware/pictures/part_model.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
@@ -34,9 +35,6 @@ struct FixedPicture {
 using PreviewPicture = FixedPicture<3, 320, 180>;
 using IssuesPicture = FixedPicture<3, 320, 180>;
 using CoveragePicture = FixedPicture<3, 480, 180>;
-using SidePicture = FixedPicture<3, 200, 180>;
-inline constexpr std::size_t kSideCount = 16;
-using SidePictures = std::array<SidePicture, kSideCount>;
 using LayerPicture = FixedPicture<1, 320, 320>;
 using ProposalPicture = FixedPicture<3, 160, 160>;
 /// Of the scan as it lies, then of the best ways up.
@@ -50,13 +48,13 @@ struct SlicedPictures {
   PreviewPicture preview;    ///< what has been sliced, from three sides
   IssuesPicture issues;      ///< where the checks have found something
   CoveragePicture coverage;  ///< which parts of the surface were scanned
-  SidePictures sides;        ///< what has been sliced, from all sides: all of them are there, or none
+  PartModel part;            ///< what has been sliced, in 3D
 
   void clear() {
     preview.clear();
     issues.clear();
     coverage.clear();
-    for (SidePicture& side : sides) side.clear();
+    part.clear();
   }
 };
 
@@ -64,7 +62,7 @@ struct JobPictures : SlicedPictures {
   ProposalPictures proposals;          ///< all of them are there, or none
   std::array<LayerPicture, 2> layers;  ///< the mask of the layer that is printed, and the one that is made next
   std::size_t shown = 0;               ///< of layers
-  std::uint32_t preview_number = 0, issues_number = 0, coverage_number = 0, side_number = 0, layer_number = 0,
+  std::uint32_t preview_number = 0, issues_number = 0, coverage_number = 0, part_number = 0, layer_number = 0,
                 proposal_number = 0;  ///< rise with each new picture
 
   const LayerPicture& layer() const { return layers[shown]; }
@@ -112,7 +110,5 @@ std::size_t preview_picture_bytes(const PrintGrid& grid);
 /// Reduces a mask: each pixel is the mean of a square of the mask's. On a core of x86-64 it takes 1.5 ms for
 /// 1440 x 2560 pixels and 6 ms for 7680 x 4320.
 void draw_layer_picture(ConstBitImage mask, LayerPicture& picture);
-/// Pixels of a mask along a side of a pixel of its picture.
-std::uint32_t layer_picture_step(std::uint32_t columns, std::uint32_t rows);
 
 }  // namespace plumbline::firmware::inline pictures

@@ -13,7 +13,7 @@
 namespace plumbline::firmware::inline state {
 namespace {
 
-static_assert(kSideCount == 16 && kProposalCount == 5, "the messages name the last one");
+static_assert(kProposalCount == 5, "the messages name the last one");
 
 /// A member's value. JSON has other kinds; none of them is allowed.
 struct Value {
@@ -22,9 +22,9 @@ struct Value {
   std::string_view text;
 };
 
-constexpr std::array<std::string_view, 18> kMembers = {"do",    "id",       "scan",   "key",   "value", "picture",
-                                                       "layer", "from",     "code",   "print", "side",  "name",
-                                                       "bytes", "proposal", "folder", "ml",    "for",   "job"};
+constexpr std::array<std::string_view, 20> kMembers = {"do",   "id",   "scan",  "key",  "value", "picture",  "layer",
+                                                       "from", "code", "print", "name", "bytes", "proposal", "folder",
+                                                       "ml",   "for",  "job",   "x",    "y",     "step"};
 enum RequestMember : std::uint8_t {
   kDo,
   kId,
@@ -36,14 +36,16 @@ enum RequestMember : std::uint8_t {
   kFrom,
   kCode,
   kPrint,
-  kSide,
   kName,
   kBytes,
   kProposal,
   kFolder,
   kMl,
   kFor,
-  kJob
+  kJob,
+  kX,
+  kY,
+  kStep
 };
 
 /// The members that a command needs beside "do", and a reminder of them.
@@ -61,9 +63,10 @@ Needs needs_of(Command command) {
     case Command::kOpen: return {bit(kFolder), "\"folder\", a number from the list of folders, or 0,"};
     case Command::kSet: return {bit(kKey) | bit(kValue), "\"key\" and \"value\""};
     case Command::kPicture:
-      return {bit(kPicture), "\"picture\", preview, issues, coverage, layer, side, proposal or scan,",
-              bit(kPrint) | bit(kSide) | bit(kProposal) | bit(kScan) | bit(kJob)};
-    case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,", bit(kJob)};
+      return {bit(kPicture), "\"picture\", preview, issues, coverage, layer, part, proposal or scan,",
+              bit(kPrint) | bit(kFrom) | bit(kProposal) | bit(kScan) | bit(kJob)};
+    case Command::kMask:
+      return {bit(kLayer), "\"layer\", a number from 0 on,", bit(kJob) | bit(kX) | bit(kY) | bit(kStep)};
     case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,", bit(kPrint) | bit(kJob)};
     case Command::kCode: return {bit(kCode), "\"code\", up to 7 digits,"};
     case Command::kRemove: return {bit(kName), "\"name\", that of \"stored\" in the state,"};
@@ -145,7 +148,7 @@ Status store(RequestMember member, const Value& value, ClientRequest& request, s
     case kPicture: {
       const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), value.text);
       if (value.kind != Value::Kind::kText || word == kPictureWords.end()) {
-        return wrong_value("picture", "preview, issues, coverage, layer, side, proposal or scan");
+        return wrong_value("picture", "preview, issues, coverage, layer, part, proposal or scan");
       }
       request.picture = static_cast<PictureName>(word - kPictureWords.begin());
       return {};
@@ -154,6 +157,16 @@ Status store(RequestMember member, const Value& value, ClientRequest& request, s
       const auto number = whole_number(value);
       if (!number || *number > UINT32_MAX) return wrong_value("layer", "a number from 0 on");
       request.layer = static_cast<std::uint32_t>(*number);
+      return {};
+    }
+    case kX:
+    case kY:
+    case kStep: {
+      const auto number = whole_number(value);
+      if (!number || *number > PrintGrid::kMaxSide) return wrong_value(kMembers[member], "a number of pixels");
+      (member == kX   ? request.window.column
+       : member == kY ? request.window.row
+                      : request.window.step) = static_cast<std::uint32_t>(*number);
       return {};
     }
     case kFrom: {
@@ -166,12 +179,6 @@ Status store(RequestMember member, const Value& value, ClientRequest& request, s
       const auto number = whole_number(value);
       if (!number || *number == 0 || *number > UINT32_MAX) return wrong_value("print", "a number from 1 on");
       request.print = static_cast<std::uint32_t>(*number);
-      return {};
-    }
-    case kSide: {
-      const auto number = whole_number(value);
-      if (!number || *number >= kSideCount) return wrong_value("side", "a number from 0 to 15");
-      request.which = static_cast<std::uint32_t>(*number);
       return {};
     }
     case kProposal: {
@@ -224,8 +231,9 @@ Status check_members(const ClientRequest& request, const std::array<bool, kMembe
   for (std::size_t member = kScan; member < kMembers.size(); ++member) {
     if (found[member]) others |= bit(static_cast<RequestMember>(member));
   }
-  if (found[kSide] && request.picture != PictureName::kSide) {
-    return fail(ErrorCode::kBadSetting, "\"side\" is for the picture \"side\" only");
+  if (request.command == Command::kPicture && found[kFrom] != (request.picture == PictureName::kPart)) {
+    return fail(ErrorCode::kBadSetting,
+                "the picture \"part\", and no other, needs \"from\", a number of bytes from 0 on");
   }
   if (request.command == Command::kPicture && found[kScan] != (request.picture == PictureName::kScan)) {
     return fail(ErrorCode::kBadSetting, "the picture \"scan\", and no other, needs \"scan\", a number from the list");
@@ -262,7 +270,7 @@ Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::
       if (known == kMembers.end()) {
         return fail(ErrorCode::kBadSetting,
                     "'%.*s': unknown member.\tKnown are do, id, scan, key, value, picture, layer, from, code, "
-                    "print, side, name, bytes, proposal, folder, ml, for and job",
+                    "print, name, bytes, proposal, folder, ml, for, job, x, y and step",
                     static_cast<int>(name->size()), name->data());
       }
       const auto member = static_cast<RequestMember>(known - kMembers.begin());

@@ -2,10 +2,10 @@
 /// What a client of the state socket asks for: one JSON object a line, flat, with a few known members.
 ///
 ///     {"do": "start"}   {"do": "choose", "scan": 2, "id": 7}   {"do": "set", "key": "scale", "value": 1.5}
-///     {"do": "picture", "picture": "layer"}   {"do": "mask", "layer": 12}   {"do": "report", "from": 24576}   {"do": "code", "code": "482913"}
+///     {"do": "picture", "picture": "layer"}   {"do": "mask", "layer": 12}   {"do": "mask", "layer": 12, "x": 640, "y": 1200, "step": 1}   {"do": "report", "from": 24576}   {"do": "code", "code": "482913"}
 ///     {"do": "upload", "name": "bust.ply", "bytes": 480213}   {"do": "remove", "name": "bust.ply"}
 ///     {"do": "report", "print": 12, "from": 0}   {"do": "picture", "picture": "preview", "print": 12}
-///     {"do": "picture", "picture": "side", "side": 3}   {"do": "picture", "picture": "proposal", "proposal": 1}   {"do": "propose"}
+///     {"do": "picture", "picture": "part", "from": 0}   {"do": "picture", "picture": "proposal", "proposal": 1}   {"do": "propose"}
 ///     {"do": "picture", "picture": "scan", "scan": 2}   {"do": "open", "folder": 1}
 ///     {"do": "filled"}   {"do": "filled", "ml": 120}
 ///     {"do": "start", "for": "9f3c01d2a4b5e687"}   {"do": "mask", "layer": 12, "job": "1b0f..."}
@@ -19,15 +19,16 @@
 
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/io/text/text_sink.hpp"
+#include "firmware/pictures/mask_window.hpp"
 #include "firmware/state/command_rules.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline::firmware::inline state {
 
-enum class PictureName : std::uint8_t { kPreview, kIssues, kCoverage, kLayer, kSide, kProposal, kScan };
+enum class PictureName : std::uint8_t { kPreview, kIssues, kCoverage, kLayer, kPart, kProposal, kScan };
 /// In this order.
 inline constexpr std::array<std::string_view, 7> kPictureWords = {"preview", "issues",   "coverage", "layer",
-                                                                  "side",    "proposal", "scan"};
+                                                                  "part",    "proposal", "scan"};
 
 struct ClientRequest {
   Command command = Command::kStart;
@@ -36,9 +37,10 @@ struct ClientRequest {
   std::uint32_t scan = 0;    ///< of choose, and of picture if it is that of a scan: from 1
   std::uint32_t folder = 0;  ///< of open: from 1; 0: the one above
   PictureName picture = PictureName::kPreview;
-  std::uint32_t which = 0;   ///< of picture, if it is that of a side or of a proposal: from 0
+  std::uint32_t which = 0;   ///< of picture, if it is that of a proposal: from 0
   std::uint32_t layer = 0;   ///< of mask: from 0
-  std::uint64_t from = 0;    ///< of report: the first byte
+  MaskWindow window;         ///< of mask
+  std::uint64_t from = 0;    ///< of report, and of picture if it is the part: the first byte
   std::uint32_t print = 0;   ///< of report and picture: a print that is kept, from 1; 0: the last one, the job at hand
   FixedText<80> name;        ///< of upload and remove: as it was sent, so anything
   std::uint64_t bytes = 0;   ///< of upload: that will come

@@ -45,7 +45,9 @@ std::optional<DrawnPicture> drawn_picture(const PrinterRecord& record, PictureNa
     case PictureName::kPreview: return drawn_one(pictures.preview, pictures.preview_number);
     case PictureName::kIssues: return drawn_one(pictures.issues, pictures.issues_number);
     case PictureName::kCoverage: return drawn_one(pictures.coverage, pictures.coverage_number);
-    case PictureName::kSide: return drawn_one(pictures.sides[which], pictures.side_number);
+    case PictureName::kPart:
+      if (!pictures.part.there()) return std::nullopt;
+      return DrawnPicture{.bytes = pictures.part.bytes(), .number = pictures.part_number};
     case PictureName::kProposal: return drawn_one(pictures.proposals[which], pictures.proposal_number);
     case PictureName::kScan:
     case PictureName::kLayer: break;
@@ -56,7 +58,7 @@ std::optional<DrawnPicture> drawn_picture(const PrinterRecord& record, PictureNa
 Expected<PictureLine> PictureLine::create() {
   constexpr std::size_t kMostBytes =
       std::max({sizeof(PreviewPicture::memory), sizeof(IssuesPicture::memory), sizeof(CoveragePicture::memory),
-                sizeof(SidePicture::memory), sizeof(LayerPicture::memory), sizeof(ProposalPicture::memory)});
+                sizeof(LayerPicture::memory), sizeof(ProposalPicture::memory), sizeof(MaskPicture::memory)});
   auto encoder = PictureEncoder::create(kMostBytes);
   PLUMBLINE_TRY(encoder);
   PictureLine line(std::move(*encoder));
@@ -86,7 +88,6 @@ Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, Pictur
   }
   FixedText<120> members;
   members.add("\"picture\": \"%.*s\", \"number\": %u", static_cast<int>(word.size()), word.data(), number);
-  if (name == PictureName::kSide) members.add(", \"side\": %u", which);
   if (name == PictureName::kScan) members.add(", \"scan\": %u", which + 1);
   if (name == PictureName::kProposal) members.add(", \"proposal\": %u", which);
   if (name != PictureName::kScan) add_job(members, record.job_id);
@@ -106,7 +107,8 @@ Status PictureLine::write_kept(TextSink& out, std::optional<std::uint64_t> id, c
 }
 
 Status PictureLine::write_mask(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t layer, std::uint64_t job) {
-  const auto png = encoder_.encode(mask_->bytes(), mask_->columns, mask_->rows, LayerPicture::kChannels);
+  if (!mask_->there()) return fail(ErrorCode::kBadSetting, "\"x\" and \"y\" are beyond the mask");
+  const auto png = encoder_.encode(mask_->bytes(), mask_->columns, mask_->rows, MaskPicture::kChannels);
   const auto size = write_base64(png, mask_base64_);
   if (!size) return tl::unexpected<Error>(too_large(png.size()));
   FixedText<120> members;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "firmware/pictures/mask_window.hpp"
 #include "firmware/pictures/png.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/state_line.hpp"
@@ -41,7 +42,7 @@ class PictureLine {
                              const PrinterRecord& record);
 
   /// Room for the picture of a mask that somebody asks for.
-  LayerPicture& mask() { return *mask_; }
+  MaskPicture& mask() { return *mask_; }
   /// @param layer  of mask()
   /// @param job    PrinterRecord::job_id
   /// @retval ErrorCode::kCannotWrite  it is too large for a line
@@ -68,7 +69,7 @@ class PictureLine {
   explicit PictureLine(PictureEncoder encoder) : encoder_(std::move(encoder)) {}
 
   PictureEncoder encoder_;
-  std::unique_ptr<LayerPicture> mask_ = std::make_unique<LayerPicture>();
+  std::unique_ptr<MaskPicture> mask_ = std::make_unique<MaskPicture>();
   std::vector<char> mask_base64_;
   std::array<Encoded, kPictureWords.size()> encoded_;
 };

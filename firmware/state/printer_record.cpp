@@ -26,12 +26,15 @@ std::optional<std::size_t> PrinterRecord::proposal() const {
   return static_cast<std::size_t>(found - proposals->begin());
 }
 
-void PrinterRecord::add_finding(Severity severity, std::string_view text, const Told& told) {
+void PrinterRecord::add_finding(Severity severity, std::string_view text, const Told& told, const Remedies& remedies,
+                                const IssuePlaces& places) {
   if (finding_count == findings.size()) return;
   FindingRecord& finding = findings[finding_count++];
   finding.severity = severity;
   assign(finding.text, text);
   finding.told = told;
+  finding.remedies = remedies;
+  finding.places = places;
 }
 
 void PrinterRecord::remove_findings(ToldCode which) {

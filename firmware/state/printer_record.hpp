@@ -20,6 +20,7 @@
 #include "firmware/settings/job_settings.hpp"
 #include "firmware/slice/orientation_proposals.hpp"
 #include "hal/clock.hpp"
+#include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/core/words/printable_text.hpp"
 #include "slicer/core/words/told.hpp"
@@ -98,11 +99,34 @@ struct ResinRecord {
 
 enum class Severity : std::uint8_t { kNote, kWarning };
 
+/// A setting of the job that mends a finding.
+struct Remedy {
+  FixedText<16> key, value;  ///< as `set` takes them
+};
+struct Remedies {
+  std::array<Remedy, 3> list;
+  std::size_t count = 0;
+
+  void add(std::string_view key, std::string_view value) {
+    if (count == list.size()) return;
+    list[count].key.add("%.*s", static_cast<int>(key.size()), key.data());
+    list[count++].value.add("%.*s", static_cast<int>(value.size()), value.data());
+  }
+};
+
+/// Where something was found, mm on the panel and above the plate.
+struct IssuePlaces {
+  std::array<std::array<double, 3>, IssueGroup::kKept> mm{};
+  std::size_t count = 0;
+};
+
 /// Something that whoever prints should know before or afterwards.
 struct FindingRecord {
   Severity severity = Severity::kNote;
   Sentence text;
   Told told;
+  Remedies remedies;
+  IssuePlaces places;
 };
 
 /// The uploaded scan in the printer's store.
@@ -180,7 +204,8 @@ struct PrinterRecord {
   std::optional<FaultRecord> fault;
   const ScanPictures* scan_pictures = nullptr;  ///< of `scans`; none: nobody makes them
   const JobPictures* pictures = nullptr;        ///< none: nobody makes them
-  std::array<double, 2> mask_pixel_mm{};        ///< of a pixel of the masks' pictures, x and y
+  std::array<std::uint32_t, 2> mask_pixels{};   ///< of the panel, columns and rows
+  std::array<double, 2> mask_pixel_mm{};        ///< of one, x and y
   bool has_masks = false;                       ///< the mask of any layer may be asked for
   bool has_report = false;                 ///< that of the last print may be asked for, when the printer is at rest
   const MachineRecord* machine = nullptr;  ///< what the printer remembers; none: nothing
@@ -199,7 +224,8 @@ struct PrinterRecord {
   void begin_job();
   /// The index of the proposal that the job follows; none: there are none, or it follows none of them.
   std::optional<std::size_t> proposal() const;
-  void add_finding(Severity severity, std::string_view text, const Told& told = {});
+  void add_finding(Severity severity, std::string_view text, const Told& told = {}, const Remedies& remedies = {},
+                   const IssuePlaces& places = {});
   void remove_findings(ToldCode which);
   /// @param clock_s  as wall_clock_s()
   void set_progress(const PrintStatus& status, std::int64_t clock_s);

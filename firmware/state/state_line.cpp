@@ -204,6 +204,7 @@ void write_sliced(JsonWriter& json, const PrinterRecord& record) {
     json.value(std::array<std::uint32_t, 2>{run.layers_end, run.step});
   }
   json.end_array();
+  json.member("mask_pixels", record.mask_pixels);
   json.member("mask_pixel_mm", std::array{record.mask_pixel_mm[0] / shrinks[0], record.mask_pixel_mm[1] / shrinks[1]});
   write_contract(json, *record.sliced);
   json.end_object();
@@ -304,10 +305,17 @@ void write_checks(JsonWriter& json, const PrinterRecord& record) {
   json.end_array();
 }
 
+constexpr JsonField<Remedy> kRemedyFields[] = {{"key", member<&Remedy::key>}, {"value", member<&Remedy::value>}};
+
 constexpr JsonField<FindingRecord> kFindingFields[] = {
     {"severity", [](auto& json, auto& f) { json.value(f.severity == Severity::kNote ? "note" : "warning"); }},
     {"text", member<&FindingRecord::text>},
     {"told", told<&FindingRecord::told>},
+    {"remedies",
+     [](auto& json, auto& f) {
+       write_objects(json, kRemedyFields, std::span(f.remedies.list).first(f.remedies.count));
+     }},
+    {"places_mm", [](auto& json, auto& f) { json.value(std::span(f.places.mm).first(f.places.count)); }},
 };
 
 constexpr JsonField<FaultRecord> kFaultFields[] = {

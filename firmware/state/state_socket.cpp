@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "firmware/io/random_id.hpp"
 #include "firmware/io/text/base64.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/state/command_rules.hpp"
@@ -192,11 +193,13 @@ Expected<bool> StateSocket::write_answer(std::optional<std::uint64_t> id, const 
   }
   if (question.print > 0) {
     PLUMBLINE_TRY(write_kept(id, question, record));
+  } else if (question.command == Command::kPicture && question.picture == PictureName::kPart) {
+    PLUMBLINE_TRY(write_model(id, question.from, record));
   } else if (question.command == Command::kPicture) {
     const std::uint32_t which = question.picture == PictureName::kScan ? question.scan - 1 : question.which;
     PLUMBLINE_TRY(pictures_.write(reply_, id, question.picture, which, record));
   } else if (question.command == Command::kMask) {
-    const auto drawn = taker.draw_mask(question.layer, pictures_.mask());
+    const auto drawn = taker.draw_mask(question.layer, question.window, pictures_.mask());
     PLUMBLINE_TRY(drawn);
     if (!*drawn) return false;
     PLUMBLINE_TRY(pictures_.write_mask(reply_, id, question.layer, record.job_id));
@@ -213,6 +216,19 @@ Status StateSocket::write_report(std::optional<std::uint64_t> id, std::uint64_t 
   const auto part = taker.read_report(from, bytes);
   PLUMBLINE_TRY(part);
   return write_part(id, from, part->size, std::span(bytes).first(part->bytes));
+}
+
+/// A part of the model of what has been sliced.
+Status StateSocket::write_model(std::optional<std::uint64_t> id, std::uint64_t from, const PrinterRecord& record) {
+  const auto drawn = drawn_picture(record, PictureName::kPart, 0);
+  if (!drawn || from >= drawn->bytes.size()) {
+    return fail(ErrorCode::kBadSetting,
+                "there is no such part of a picture 'part' now.\tThe state's \"pictures\" says which there are");
+  }
+  const auto rest = std::as_bytes(drawn->bytes).subspan(static_cast<std::size_t>(from));
+  FixedText<100> of;
+  of.add("\"picture\": \"part\", \"number\": %u, \"job\": \"%s\", ", drawn->number, id_text(record.job_id).c_str());
+  return write_part(id, from, drawn->bytes.size(), rest.first(std::min(rest.size(), kReportPart)), of.view());
 }
 
 /// Of a print that is kept.
@@ -234,12 +250,12 @@ Status StateSocket::write_kept(std::optional<std::uint64_t> id, const ClientRequ
 }
 
 Status StateSocket::write_part(std::optional<std::uint64_t> id, std::uint64_t from, std::uint64_t size,
-                               std::span<const std::byte> bytes) {
+                               std::span<const std::byte> bytes, std::string_view of) {
   std::array<char, (kReportPart + 2) / 3 * 4> base64;
   const auto characters = write_base64(bytes, base64);
-  FixedText<80> members;
-  members.add("\"from\": %llu, \"size\": %llu", static_cast<unsigned long long>(from),
-              static_cast<unsigned long long>(size));
+  FixedText<180> members;
+  members.add("%.*s\"from\": %llu, \"size\": %llu", static_cast<int>(of.size()), of.data(),
+              static_cast<unsigned long long>(from), static_cast<unsigned long long>(size));
   return write_data_line(reply_, id, members.view(), "data", {base64.data(), characters.value_or(0)});
 }
 

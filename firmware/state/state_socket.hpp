@@ -46,7 +46,8 @@ class CommandTaker {
   /// Draws the mask of a layer of what is offered. Never waits.
   /// @returns false: it is being made. The same is asked again in the next turn
   /// @retval ErrorCode::kBadSetting  nothing is offered that has been sliced, or it has no such layer
-  [[nodiscard]] virtual Expected<bool> draw_mask(std::uint32_t /*layer*/, LayerPicture& /*picture*/) {
+  [[nodiscard]] virtual Expected<bool> draw_mask(std::uint32_t /*layer*/, const MaskWindow& /*window*/,
+                                                 MaskPicture& /*picture*/) {
     return fail(ErrorCode::kBadSetting, "there are no masks");
   }
 
@@ -111,8 +112,9 @@ class StateSocket {
                               const PrinterRecord& record, CommandTaker& taker);
   Status write_kept(std::optional<std::uint64_t> id, const ClientRequest& question, const PrinterRecord& record);
   Status write_report(std::optional<std::uint64_t> id, std::uint64_t from, CommandTaker& taker);
+  Status write_model(std::optional<std::uint64_t> id, std::uint64_t from, const PrinterRecord& record);
   Status write_part(std::optional<std::uint64_t> id, std::uint64_t from, std::uint64_t size,
-                    std::span<const std::byte> bytes);
+                    std::span<const std::byte> bytes, std::string_view of = "");
 
   StateSocketTimes times_;
   std::array<StateClient, kReaders + kCommanders> clients_;

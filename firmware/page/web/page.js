@@ -1,7 +1,7 @@
 // Shows the printer's state, which comes as server-sent events, and sends commands. No library, nothing from elsewhere.
 "use strict";
 
-const language = Object.keys(texts).find((code) => navigator.language.startsWith(code)) || "en";
+const language = Object.keys(texts).find((code) => (localStorage.getItem("language") || navigator.language).startsWith(code)) || "en";
 const words = texts[language], said = printerTexts[language];  // the state has the English sentences of messages itself
 const $ = (id) => document.getElementById(id);
 let state = null;
@@ -336,7 +336,7 @@ function coverageLegend() {
   return list;
 }
 function showPictures() {
-  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && !["side", "proposal"].includes(name));
+  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && name !== "part" && name !== "proposal" && !(view && state.pictures.part && ["preview", "coverage"].includes(name)));
   $("pictures").hidden = there.length === 0;
   const names = there.map(([name]) => name);
   fill($("pictures"), names, () => [$("pictures").firstElementChild, ...names.map((name) => {
@@ -351,77 +351,27 @@ function showPictures() {
   }
 }
 
-// The part from sixteen sides, a picture each. They are fetched one at a time: first the one that is wanted, and once somebody turns the
-// part the others.
-const sides = 16, dragStep = 24;  // pixels of the screen from one side to the next
-let turned = 0, sidesOf = null, sidePictures = [], sideLoads = false, turns = false, dragFrom = null;
-function showSide() {
-  const side = (sides - turned) % sides, degrees = turned * 360 / sides;
-  const text = degrees ? `${words.turnedBy} ${number(degrees, 1)}°` : words.front;
-  $("stage").setAttribute("aria-valuenow", degrees);
-  $("stage").setAttribute("aria-valuetext", text);
-  $("turned").textContent = text;
-  const picture = sidePictures[side];
-  if (picture && picture.naturalWidth) {
-    picture.alt = text;
-    if ($("stage").firstChild !== picture) $("stage").replaceChildren(picture);
-  }
-  if (!picture) return loadSide(side);
-  for (let away = 1; turns && away <= sides / 2; ++away) {
-    for (const next of [(side + away) % sides, (side + sides - away) % sides]) {
-      if (!sidePictures[next]) return loadSide(next);
-    }
-  }
-}
-function loadSide(side) {
-  if (sideLoads) return;
-  sideLoads = true;
-  const picture = new Image(), of = sidesOf;
-  picture.onload = picture.onerror = () => {
-    sideLoads = false;
-    if (of === sidesOf) sidePictures[side] = picture;
-    if (sidesOf !== null) showSide();
-  };
-  picture.src = `/side?${of}&n=${side}`;
-}
-function turnBy(steps) {
-  turns = true;
-  turned = (turned + steps + sides) % sides;
-  showSide();
-}
-$("turn-left").onclick = () => turnBy(-1);
-$("turn-right").onclick = () => turnBy(1);
-$("stage").onkeydown = (event) => {
-  const steps = {ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, Home: -turned}[event.key];
-  if (steps === undefined) return;
-  event.preventDefault();
-  turnBy(steps);
+// The part in 3D (part.js). Where a browser has no WebGL 2 the preview stays.
+const view = makePartView($("view"), (text) => {
+  show("loading", text !== "", text === null ? words.noModel : `${words.modelComes} ${text}`);
+  if (text === "") showPart();
+});
+for (const [id, yaw, pitch] of [["from-front", 0, 0], ["from-left", -Math.PI / 2, 0], ["from-above", 0, Math.PI / 2]]) $(id).onclick = () => view.look(yaw, pitch);
+const inside = (id) => $(id).querySelector("input");
+inside("with-supports").onchange = () => view.supports(inside("with-supports").checked);
+inside("with-colours").onchange = () => {
+  view.colours(inside("with-colours").checked);
+  $("part").querySelector(".legend").hidden = !inside("with-colours").checked;
 };
-$("stage").onpointerdown = (event) => {
-  dragFrom = event.clientX;
-  $("stage").setPointerCapture(event.pointerId);
-};
-$("stage").onpointermove = (event) => {
-  const steps = dragFrom === null ? 0 : Math.trunc((event.clientX - dragFrom) / dragStep);
-  if (steps === 0) return;
-  dragFrom += steps * dragStep;
-  turnBy(steps % sides);
-};
-$("stage").onpointerup = $("stage").onpointercancel = () => { dragFrom = null; };
-function showTurn() {
-  const of = state.pictures && state.pictures.side ? `${ofJob()}of=${state.pictures.side}` : null;
-  $("turn").hidden = of === null;
-  if (of === sidesOf) return;
-  sidesOf = of;
-  sidePictures = [];
-  turned = 0;
-  turns = false;
-  $("stage").replaceChildren();
-  if (of !== null) showSide();
+function showPart() {
+  const of = view && state.pictures && state.pictures.part ? `/part?${ofJob()}of=${state.pictures.part}` : null;
+  $("part").hidden = of === null;
+  if (!view) return;
+  view.show(of);
+  $("with-supports").hidden = !view.hasSupports;
+  $("with-colours").hidden = !view.hasEvidence;
 }
 
-// The slider asks for one layer at a time, and then for where it stands by now.
-let layerAsked = 0, layersOf = null;
 // mm of so many layers. Runs of an adaptive print are [end, height].
 function topOf(layers) {
   let sum = 0, from = 0;
@@ -431,20 +381,27 @@ function topOf(layers) {
   }
   return (sum + Math.max(0, layers - from)) * state.sliced.layer_height_mm;
 }
-function showLayer() {
+// The layer, from 1, at a height above the plate.
+function layerAt(mm) {
+  let [low, high] = [1, state.sliced.layers];
+  while (low < high) {
+    const between = Math.floor((low + high) / 2);
+    if (topOf(between) > mm + 1e-6) high = between;
+    else low = between + 1;
+  }
+  return low;
+}
+const layerView = makeLayerView($("mask"), (n, x, y, step) => `/mask?${ofJob()}n=${n}&x=${x}&y=${y}&step=${step}`,
+                                (shown) => show("mask-error", !shown, words.noMask), (place) => tapOn(place));
+function showLayer(cuts) {
   const layer = Number($("layer").value);
   $("which").textContent = `${words.layer} ${layer} ${words.of} ${$("layer").max}, ${number(topOf(layer), 2)} mm`;
-  if (layerAsked || $("mask").dataset.layer === String(layer)) return;
-  layerAsked = layer;
-  $("mask").src = `/mask?${ofJob()}n=${layer - 1}`;
+  layerView.show(layer - 1);
+  if (view) view.plane(cuts && layer < state.sliced.layers ? topOf(layer) : null);
 }
-$("mask").onload = $("mask").onerror = (event) => {
-  show("mask-error", event.type === "error", words.noMask);
-  $("mask").dataset.layer = layerAsked;
-  layerAsked = 0;
-  if (state && state.masks) showLayer();
-};
-$("layer").oninput = showLayer;
+let layersOf = null;
+$("layer").oninput = () => showLayer(true);
+inside("with-ghost").onchange = () => layerView.ghost(inside("with-ghost").checked);
 // Supports by hand: a tap on the mask is a place of the print, which becomes one of the job's lists. The printer then slices anew.
 const lists = {support_at: words.supportsAdded, no_support_at: words.supportsBlocked};
 const listOf = (key) => state.job && state.job.support_values[key] || [];
@@ -454,15 +411,13 @@ function setPlaces(key, places) {
   tapped = null;
   command({do: "set", key, value: places.map((place) => place.map((mm) => Math.round(mm * 100) / 100).join(",")).join(";"), ...jobId() && {for: jobId()}});
 }
-$("mask").onclick = (event) => {
-  const mask = $("mask"), [width, depth] = state.sliced.mask_pixel_mm;
-  if (!mask.naturalWidth || layerAsked) return;
-  // The middle of a pixel of the picture, at the underside of the layer.
-  const pixel = (at, shown, pixels) => Math.min(pixels - 1, Math.max(0, Math.floor(at / shown * pixels))) + 0.5;
-  tapped = [pixel(event.offsetX, mask.clientWidth, mask.naturalWidth) * width, pixel(event.offsetY, mask.clientHeight, mask.naturalHeight) * depth,
-            topOf(Number(mask.dataset.layer) - 1)];
+function tapOn([column, row]) {
+  if ($("by-hand").hidden) return;
+  // The middle of a pixel, at the underside of the layer.
+  const [width, depth] = state.sliced.mask_pixel_mm;
+  tapped = [(Math.floor(column) + 0.5) * width, (Math.floor(row) + 0.5) * depth, topOf(Number($("layer").value) - 1)];
   showByHand();
-};
+}
 $("support-here").onclick = () => setPlaces("support_at", [...listOf("support_at"), tapped]);
 $("no-support-here").onclick = () => setPlaces("no_support_at", [...listOf("no_support_at"), tapped]);
 function showByHand() {
@@ -472,7 +427,7 @@ function showByHand() {
   show("tapped", Boolean(tapped), tapped ? inMm(tapped) : "");
   $("support-here").hidden = $("no-support-here").hidden = !tapped;
   const kept = Object.entries(lists).filter(([key]) => listOf(key).length);
-  fill($("places"), [kept.map(([key]) => listOf(key)), jobId()], () => kept.map(([key, name]) => {
+  fill($("kept-places"), [kept.map(([key]) => listOf(key)), jobId()], () => kept.map(([key, name]) => {
     const line = element("p", `${name}: ${listOf(key).map(inMm).join("; ")} `), clear = element("button", words.clearPlaces, {type: "button"});
     clear.onclick = () => setPlaces(key, []);
     line.append(clear);
@@ -486,15 +441,13 @@ function showMasks() {
   if (of === layersOf) return;
   // Nothing of another job stays, nor may what is on its way come in its place.
   layersOf = of;
-  layerAsked = 0;
   tapped = null;
-  delete $("mask").dataset.layer;
-  $("mask").removeAttribute("src");
   show("mask-error", false);
   if (!shown) return;
+  layerView.begin(state.sliced.mask_pixels);
   $("layer").max = state.sliced.layers;
   $("layer").value = Math.ceil(state.sliced.layers / 2);
-  showLayer();
+  showLayer(false);
 }
 function showStick() {
   const {scans, folder, folders, not_listed: notListed} = state.stick;
@@ -724,13 +677,62 @@ function showWays() {
   }
 }
 $("propose").onclick = () => command({do: "propose", ...jobId() && {for: jobId()}});
+// What was found: what it is, where, and what mends it, as buttons.
+let placeAt = -1;
+const placesFound = () => state.masks && state.sliced ? state.findings.flatMap((one) => one.places_mm.map((mm) => ({mm, one}))) : [];
+function showPlace(which) {
+  const places = placesFound();
+  if (!places.length) return;
+  placeAt = (which + places.length) % places.length;
+  const [x, y, z] = places[placeAt].mm, [width, depth] = state.sliced.mask_pixel_mm;
+  $("layer").value = layerAt(z);
+  showLayer(true);
+  layerView.lookAt(x / width, y / depth);
+  $(view ? "part" : "layers").scrollIntoView({block: "nearest"});
+}
+$("place-before").onclick = () => showPlace(placeAt - 1);
+$("place-next").onclick = () => showPlace(placeAt + 1);
+function showFindings() {
+  const places = placesFound(), mends = state.state === "offered" && Boolean(state.sliced) && state.commands.includes("set");
+  $("findings").hidden = state.findings.length === 0;
+  fill($("findings").querySelector("ul"), [state.findings, mends, places.length > 0, jobId()], () => {
+    placeAt = -1;
+    return state.findings.map((one) => {
+      const line = element("li", worded(one.told, one.text), {class: one.severity}), buttons = element("div");
+      const first = places.findIndex((place) => place.one === one);
+      if (first >= 0) {
+        const where = element("button", one.places_mm.length > 1 ? `${words.showPlace} (${one.places_mm.length})` : words.showPlace, {type: "button"});
+        where.onclick = () => showPlace(first);
+        buttons.append(where);
+      }
+      for (const {key, value} of mends ? one.remedies : []) {
+        const mend = element("button", `${words[`mend_${key}`]}${["units", "height", "width", "depth", "length"].includes(key) ? ` ${value.replace("mm", " mm").trim()}` : ""}`,
+                             {type: "button", class: "main", "data-key": key});
+        mend.onclick = () => command({do: "set", key, value, ...jobId() && {for: jobId()}});
+        buttons.append(mend);
+      }
+      if (buttons.children.length) line.append(buttons);
+      return line;
+    });
+  });
+  $("places").hidden = places.length < 2;
+  fill($("marks"), [places.map(({mm}) => mm), jobId()], () => {
+    const [width, depth] = state.sliced ? state.sliced.mask_pixel_mm : [1, 1];
+    layerView.marks(places.map(({mm: [x, y, z]}) => ({x: x / width, y: y / depth, layer: layerAt(z) - 1})));
+    const marks = places.map(({mm, one}, i) => {
+      const node = element("button", undefined, {type: "button", class: "mark", "aria-label": `${i + 1}: ${worded(one.told, one.text)}`});
+      node.append(element("span", String(i + 1)));
+      node.onclick = () => showPlace(i);
+      return {at: mm, node};
+    });
+    if (view) view.marks(marks);
+    return marks.map(({node}) => node);
+  });
+}
 function showLists() {
-  const findings = state.findings.map((one) => [one.severity, worded(one.told, one.text)]);
   const checks = state.checks.map((one) => [one.outcome, `${words.checkNames[one.check] || one.check}: ${worded(one.told, one.detail)}`]);
-  for (const [id, rows] of [["findings", findings], ["checks", checks]]) {
-    $(id).hidden = rows.length === 0;
-    fill($(id).querySelector("ul"), rows, () => rows.map(([kind, text]) => element("li", text, {class: kind})));
-  }
+  $("checks").hidden = checks.length === 0;
+  fill($("checks").querySelector("ul"), checks, () => checks.map(([kind, text]) => element("li", text, {class: kind})));
   $("report").hidden = !state.report;
 }
 // The last prints, which the printer gives out only while it is at rest: as it does with the last one's report.
@@ -756,7 +758,7 @@ function render() {
   show("simulated", state.simulated, words.simulated);
   document.body.dataset.state = state.state;
   closeOldQuestion();
-  for (const part of [showNow, showButtons, showFacts, showPictures, showTurn, showMasks, showByHand, showContract, showStick, showUpload, showSettings, showWays, showLists, showPrints]) part();
+  for (const part of [showNow, showButtons, showFacts, showPictures, showPart, showMasks, showByHand, showContract, showStick, showUpload, showSettings, showWays, showFindings, showLists, showPrints]) part();
 }
 
 // --- From the printer
@@ -802,7 +804,7 @@ async function lookNowAndThen(times) {
 function sayWords() {
   document.documentElement.lang = words.locale.slice(0, 2);
   const put = (selector, text) => { document.querySelector(selector).textContent = text; };
-  for (const [id, text] of Object.entries({pictures: words.pictures, turn: words.turnTitle, layers: words.masks, contract: words.contract, stick: words.stickTitle, settings: words.settings, ways: words.waysTitle,
+  for (const [id, text] of Object.entries({pictures: words.pictures, part: words.partTitle, layers: words.masks, contract: words.contract, stick: words.stickTitle, settings: words.settings, ways: words.waysTitle,
                                            findings: words.findings, checks: words.checksTitle, upload: words.uploadTitle, report: words.report,
                                            prints: words.printsTitle, browsers: words.browsersTitle})) put(`#${id} h2`, text);
   put("#report a", words.download);
@@ -815,16 +817,27 @@ function sayWords() {
   put("#by-hand-hint", words.byHandHint);
   put("#support-here", words.supportHere);
   put("#no-support-here", words.noSupportHere);
-  put("#turn-left", words.turnLeft);
-  put("#turn-right", words.turnRight);
-  $("stage").setAttribute("aria-label", words.turnTitle);
+  for (const [id, text] of [["from-front", words.fromFront], ["from-left", words.fromLeft], ["from-above", words.fromAbove], ["with-supports span", words.supports],
+                            ["with-colours span", words.withColours], ["view-hint", words.viewHint]]) put(`#${id}`, text);
+  $("view").setAttribute("aria-label", `${words.partTitle}. ${words.viewKeys}`);
+  const legend = coverageLegend();
+  legend.hidden = true;
+  $("part").append(legend);
   put("#propose", words.propose);
   put("#send label", words.uploadLabel);
   put("#send button.main", words.uploadDo);
   put("#stop-upload", words.uploadStop);
   put("#stored button", words.remove);
   $("sent").setAttribute("aria-label", words.uploading);
-  $("mask").alt = words.masksAlt;
+  for (const [id, text] of [["with-ghost span", words.withGhost], ["mask-hint", words.maskHint], ["place-before", words.placeBefore], ["place-next", words.placeNext]]) put(`#${id}`, text);
+  $("mask").setAttribute("aria-label", words.masksAlt);
+  $("language").setAttribute("aria-label", words.language);
+  $("language").append(...Object.keys(texts).map((code) => element("option", texts[code].ownName, {value: code})));
+  $("language").value = language;
+  $("language").onchange = () => {
+    localStorage.setItem("language", $("language").value);
+    location.reload();
+  };
   $("progress").setAttribute("aria-label", words.printing);
 }
 

@@ -47,6 +47,8 @@ class StreamMasks final : public MaskSource {
   /// Counts the print's layers; the layer height is still the R-Rep's.
   const PrintGrid& grid() const override { return grid_; }
   Expected<ConstBitImage> mask(std::uint32_t layer) override;
+  /// The object's part of the mask that was given last, before opening, closing and supports.
+  ConstBitImage section() const { return stream_.section(); }
   std::span<const GreyRun> greys() const override { return grey_ ? grey_->greys() : std::span<const GreyRun>(); }
 
  private:

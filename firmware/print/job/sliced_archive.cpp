@@ -9,7 +9,7 @@
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/pictures/job_pictures.hpp"
-#include "firmware/pictures/side_pictures.hpp"
+#include "firmware/pictures/part_model.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/checks/what_matters.hpp"
@@ -158,7 +158,7 @@ Expected<PrintProfile> profile_of(const PrintProfile& printers, const ArchiveSet
 
 LayerCrossings LayerCrossings::make(const PrintGrid& grid, Arena& arena) {
   LayerCrossings all;
-  const std::size_t pictures = std::max(preview_picture_bytes(grid), side_pictures_bytes(grid)) +
+  const std::size_t pictures = std::max(preview_picture_bytes(grid), part_model_bytes(grid)) +
                                2 * BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t);
   const auto first = arena.take_bottom<std::uint32_t>(std::size_t{grid.layers} + 1, "preview");
   if (!first || arena.available() <= pictures) return all;

@@ -87,7 +87,7 @@ class OfferedArchiveTest : public ChildTest {
   /// Asks until there is an answer. @returns "" or the error
   std::string ask(OfferedMasks& masks, std::uint32_t layer) {
     for (int turn = 0; turn < 3000; ++turn) {
-      const auto drawn = masks.draw(layer, *picture_);
+      const auto drawn = masks.draw(layer, {}, *picture_);
       if (!drawn) return drawn.error().message();
       if (*drawn) return "";
       std::this_thread::sleep_for(10ms);
@@ -99,8 +99,12 @@ class OfferedArchiveTest : public ChildTest {
     std::vector<std::uint64_t> words(BitImage::words_needed(printer.columns, printer.rows));
     const BitImage mask(words, printer.columns, printer.rows);
     draw_stripe(layer, mask);
-    const auto expected = std::make_unique<LayerPicture>();
-    draw_layer_picture(mask, *expected);
+    std::vector<GreyRun> greys;
+    for (std::uint32_t row = 0; row < printer.rows; ++row) {
+      if (mask.row(row)[1] != 0) greys.push_back({row * printer.columns + 128, 20, kStripesLevel});
+    }
+    const auto expected = std::make_unique<MaskPicture>();
+    draw_mask_window(mask, greys, {}, {}, *expected);
     return std::ranges::equal(expected->bytes(), picture_->bytes());
   }
 
@@ -109,14 +113,14 @@ class OfferedArchiveTest : public ChildTest {
   ChildLayerDecoder decoder_{child_, small_printer()};
   SlicedArchive sliced_;
   Descriptor file_;
-  std::unique_ptr<LayerPicture> picture_ = std::make_unique<LayerPicture>();
+  std::unique_ptr<MaskPicture> picture_ = std::make_unique<MaskPicture>();
 };
 
 TEST_F(OfferedArchiveTest, ShowsAnyLayerInAnyOrder) {
   const std::size_t used = arena_.used();
   {
     const auto masks = offer();
-    EXPECT_FALSE(masks->draw(0, *picture_).value()) << "nobody waits for the child";
+    EXPECT_FALSE(masks->draw(0, {}, *picture_).value()) << "nobody waits for the child";
     for (const std::uint32_t layer : {3U, 0U, 4U, 4U, 1U}) {
       ASSERT_EQ(ask(*masks, layer), "");
       EXPECT_TRUE(shows(layer)) << layer;
@@ -130,15 +134,15 @@ TEST_F(OfferedArchiveTest, GivesEachOfTwoClientsItsLayer) {
   const auto masks = offer();
   bool first = false, second = false;
   for (int turn = 0; turn < 3000 && !(first && second); ++turn) {
-    if (!first && masks->draw(1, *picture_).value()) first = shows(1);
-    if (!second && masks->draw(2, *picture_).value()) second = shows(2);
+    if (!first && masks->draw(1, {}, *picture_).value()) first = shows(1);
+    if (!second && masks->draw(2, {}, *picture_).value()) second = shows(2);
     std::this_thread::sleep_for(1ms);
   }
   EXPECT_TRUE(first && second);
 }
 
 TEST_F(OfferedArchiveTest, CanBeEndedWhileAChildWorks) {
-  for (int i = 0; i < 5; ++i) EXPECT_FALSE(offer()->draw(0, *picture_).value());
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(offer()->draw(0, {}, *picture_).value());
   const auto masks = offer();
   EXPECT_EQ(ask(*masks, 2), "") << "no child is left";
 }
@@ -176,8 +180,8 @@ TEST_F(BadChildren, AreErrorsOfTheirLayersOnly) {
   EXPECT_THAT(ask(*masks, 0), HasSubstr("does not add up (number of grey pixels)"));
   EXPECT_EQ(ask(*masks, 4), "");
   EXPECT_TRUE(shows(4));
-  EXPECT_FALSE(masks->draw(1, *picture_).value());
-  EXPECT_FALSE(masks->draw(4, *picture_).value()) << "it waits for the child that hangs";
+  EXPECT_FALSE(masks->draw(1, {}, *picture_).value());
+  EXPECT_FALSE(masks->draw(4, {}, *picture_).value()) << "it waits for the child that hangs";
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ class HttpServerTest : public testing::Test, public HttpHandler {
     seen_ = std::string(request.method) + " " + std::string(request.path) + " " + std::string(request.body);
     if (request.path == "/late") return HttpLater{};
     if (request.path == "/stream")
-      return HttpStream{.kind = HttpStream::Kind::kReport, .size = 10, .type = "text/plain"};
+      return HttpStream{.kind = HttpStream::Kind::kParts, .size = 10, .type = "text/plain"};
     return HttpAnswer{.body = "{}"};
   }
   std::optional<std::size_t> fill(std::size_t stream, const HttpStream& /*what*/, bool begins, std::uint64_t sent,

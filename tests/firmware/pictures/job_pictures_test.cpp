@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "firmware/pictures/png.hpp"
-#include "firmware/pictures/side_pictures.hpp"
 
 namespace plumbline::firmware {
 namespace {
@@ -186,90 +185,6 @@ TEST(SmallPictures, AreDrawnAtTheirOwnSize) {
   EXPECT_LT(preview_picture_bytes(grid), std::size_t{12} << 20U);
   grid.columns = grid.rows = 100;
   EXPECT_LT(preview_picture_bytes(grid), std::size_t{3} << 20U);
-}
-
-/// Columns of a side's picture in which the print is brighter than the background is anywhere.
-std::uint32_t bright_columns(const SidePicture& picture) {
-  std::uint32_t count = 0;
-  for (std::uint32_t x = 0; x < picture.columns; ++x) {
-    std::uint32_t most = 0;
-    for (std::uint32_t y = 0; y < picture.rows; ++y) {
-      const auto pixel = picture.bytes().subspan(3 * (std::size_t{y} * picture.columns + x), 3);
-      most = std::max<std::uint32_t>(most, pixel[0] + pixel[1] + pixel[2]);
-    }
-    count += most > 3 * 105 ? 1 : 0;
-  }
-  return count;
-}
-
-TEST(SidePictures, TurnABoxRoundAtOneScale) {
-  PrintGrid grid;
-  grid.columns = grid.rows = 100;
-  grid.layers = 30;
-  grid.pitch_x_mm = grid.pitch_y_mm = grid.layer_height_mm = 0.1F;
-  const BoxRRep box(grid);
-  std::vector<std::byte> memory(side_pictures_bytes(grid) + Arena::kAlignment);
-  Arena arena(memory);
-  const auto sides = std::make_unique<SidePictures>();
-  ASSERT_TRUE(draw_side_pictures(box.rrep, {}, arena, *sides));
-  EXPECT_EQ(arena.used(), 0U);
-  // As wide as a box of 6 x 2 mm is from each side. Its diagonal fills the picture but for the rim.
-  const double scale = (SidePicture::kMostColumns - 8) / std::hypot(6.0, 2.0);
-  for (std::size_t i = 0; i < kSideCount; ++i) {
-    const SidePicture& side = (*sides)[i];
-    ASSERT_EQ(side.columns, SidePicture::kMostColumns);
-    ASSERT_EQ(side.rows, SidePicture::kMostRows);
-    const double turn = 2 * std::numbers::pi * static_cast<double>(i) / kSideCount;
-    const double wide = 6 * std::abs(std::cos(turn)) + 2 * std::abs(std::sin(turn));
-    EXPECT_NEAR(bright_columns(side), wide * scale, 4) << "side " << i;
-  }
-
-  std::vector<std::byte> little(1'000'000);
-  Arena small(little);
-  EXPECT_FALSE(draw_side_pictures(box.rrep, {}, small, *sides));
-  EXPECT_FALSE((*sides)[0].there());
-}
-
-// A plate of 5 layers with a wall on its right edge: where the wall stands on the picture says from where it is seen.
-TEST(SidePictures, GoRoundToTheRight) {
-  PrintGrid grid;
-  grid.columns = grid.rows = 100;
-  grid.layers = 40;
-  grid.pitch_x_mm = grid.pitch_y_mm = grid.layer_height_mm = 0.1F;
-  std::vector<std::uint32_t> first, packed;
-  const CrossingPacking packing(grid);
-  const auto toggle = [&](std::uint32_t begin, std::uint32_t end) {
-    for (std::uint32_t r = 20; r < 80; ++r) {
-      for (std::uint32_t c = begin; c < end; ++c) packed.push_back(packing.packed(r * grid.columns + c));
-    }
-  };
-  for (std::uint32_t k = 0; k < grid.layers; ++k) {
-    first.push_back(static_cast<std::uint32_t>(packed.size()));
-    if (k == 0) toggle(20, 80);
-    if (k == 5) toggle(20, 70);
-  }
-  first.push_back(static_cast<std::uint32_t>(packed.size()));
-  const RRep rrep{grid, first, packed};
-  std::vector<std::byte> memory(std::size_t{14} << 20U);
-  Arena arena(memory);
-  const auto sides = std::make_unique<SidePictures>();
-  ASSERT_TRUE(draw_side_pictures(rrep, {}, arena, *sides));
-  // Bright pixels in part of the picture: above its middle there is only the wall.
-  const auto bright = [&](std::size_t side, std::uint32_t from, std::uint32_t to) {
-    std::uint32_t count = 0;
-    const SidePicture& picture = (*sides)[side];
-    for (std::uint32_t y = 0; y < picture.rows / 2; ++y) {
-      for (std::uint32_t x = from; x < to; ++x) {
-        const auto at = picture.bytes().subspan(3 * (std::size_t{y} * picture.columns + x), 3);
-        count += at[0] + at[1] + at[2] > 3 * 105 ? 1 : 0;
-      }
-    }
-    return count;
-  };
-  constexpr std::uint32_t kMiddle = SidePicture::kMostColumns / 2, kEnd = SidePicture::kMostColumns;
-  EXPECT_GT(bright(0, kMiddle, kEnd), 100 + 4 * bright(0, 0, kMiddle)) << "seen from the front it is on the right";
-  EXPECT_GT(bright(8, 0, kMiddle), 100 + 4 * bright(8, kMiddle, kEnd)) << "from the back it is on the left";
-  EXPECT_GT(bright(12, 0, kEnd), 100 + bright(4, 0, kEnd)) << "from the left it stands behind the plate, so higher";
 }
 
 TEST(SmallPng, IsReadBackByAnotherProgramAsItWas) {

@@ -185,7 +185,7 @@ class Pictures(Identity):
 
     def pictures_of(self, job, layers):
         masks = tuple(self.get(f"/mask?job={job}&n={n}") for n in range(layers))
-        return masks, self.get(f"/picture/preview?job={job}"), self.get(f"/side?job={job}&n=3")
+        return masks, self.get(f"/picture/preview?job={job}"), self.get(f"/part?job={job}")
 
     def look(self, user, scan):
         """Slices a scan of the stick. @returns the state that asks about it"""
@@ -203,7 +203,7 @@ class Pictures(Identity):
         user.do("offer")
 
     def addresses(self, job):
-        return [f"/mask?job={job}&n=0", f"/mask?job={job}&n=1", f"/picture/preview?job={job}&n=1", f"/side?job={job}&n=3", f"/proposal?job={job}&n=0"]
+        return [f"/mask?job={job}&n=0", f"/mask?job={job}&n=1", f"/picture/preview?job={job}&n=1", f"/part?job={job}", f"/proposal?job={job}&n=0"]
 
     def test_none_is_of_another_job_whatever_is_started_between(self):
         speed, layers = 200, 2

@@ -365,7 +365,7 @@ class Page(PagePrinter):
 
         def ask():
             client = Client(self, self.commands)
-            names = [{"picture": "scan", "scan": 1}, {"picture": "scan", "scan": 2}, {"picture": "side", "side": 3},
+            names = [{"picture": "scan", "scan": 1}, {"picture": "scan", "scan": 2}, {"picture": "part", "from": 0},
                      {"picture": "layer"}, {"picture": "preview"}, {"picture": "coverage"}]
             while not stop.is_set():
                 reply = client.ask("picture", **names[len(asked) % len(names)])
@@ -607,16 +607,16 @@ class Page(PagePrinter):
         _, headers, page = self.ask("GET", "/")
         self.assertIn("default-src 'none'", headers["Content-Security-Policy"])
         self.assertIn(b"<!DOCTYPE html>", page)
-        for path in ("/page.js", "/page.css", "/words.js"):
+        for path in ("/page.js", "/part.js", "/layers.js", "/page.css", "/words.js"):
             self.assertIn("charset=utf-8", self.ask("GET", path)[1]["Content-Type"])
-        files = ("/", "/page.js", "/page.css", "/words.js")
+        files = ("/", "/page.js", "/part.js", "/layers.js", "/page.css", "/words.js")
         packed = {path: self.ask("GET", path, headers={"Accept-Encoding": "deflate, gzip, br"}) for path in files}
         for path, (_, headers, data) in packed.items():
             self.assertEqual(headers["Content-Encoding"], "gzip")
             _, headers, plain = self.ask("GET", path, headers={"Accept-Encoding": "gzip;q=0"})
             self.assertNotIn("Content-Encoding", headers)
             self.assertEqual(gzip.decompress(data), plain)
-        self.assertLess(sum(len(data) for _, _, data in packed.values()), 34000)
+        self.assertLess(sum(len(data) for _, _, data in packed.values()), 46000)
         for path in ("/../../etc/passwd", "/%2e%2e/etc/passwd", "/page.js/", "//", "/\u00e4".encode("latin-1").decode("latin-1")):
             self.assertEqual(self.ask("GET", path.replace("\u00e4", "%e4"))[0], 404, path)
 

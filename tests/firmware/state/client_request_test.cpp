@@ -43,8 +43,9 @@ TEST(ClientRequest, HasACommandAndWhatItNeeds) {
   EXPECT_EQ(set.request->key.view(), "scale");
   EXPECT_EQ(set.request->value.view(), "-1.5e+3");
   EXPECT_EQ(parse(R"({"do":"mask","layer":4294967295})").request->layer, 4294967295U);
-  EXPECT_EQ(parse(R"({"do":"picture","picture":"side","side":15})").request->which, 15U);
-  EXPECT_EQ(parse(R"({"side":3,"picture":"side","do":"picture"})").request->which, 3U);
+  EXPECT_EQ(parse(R"({"from":24576,"picture":"part","do":"picture"})").request->from, 24576U);
+  const auto window = parse(R"({"do":"mask","layer":3,"x":16384,"y":7,"step":2})").request.value().window;
+  EXPECT_EQ((std::array{window.column, window.row, window.step}), (std::array{16384U, 7U, 2U}));
   EXPECT_EQ(parse(R"({"do":"picture","picture":"proposal","proposal":4})").request->which, 4U);
   EXPECT_EQ(parse(R"({"do":"report","from":24576})").request->from, 24576U);
   EXPECT_EQ(parse(R"({"do":"code","code":"0482913"})").request->code.view(), "0482913");
@@ -133,11 +134,13 @@ TEST(ClientRequest, SaysWhatIsWrong) {
       {"{\"do\":\"mask\",\"layer\":-1}", "layer: allowed is"},
       {"{\"do\":\"mask\",\"layer\":4294967296}", "layer: allowed is"},
       {"{\"do\":\"mask\",\"layer\":1,\"scan\":1}", "mask needs \"layer\""},
-      {"{\"do\":\"picture\",\"picture\":\"side\",\"side\":16}", "side: allowed is"},
-      {"{\"do\":\"picture\",\"picture\":\"layer\",\"side\":1}", "\"side\" is for the picture"},
-      {"{\"do\":\"start\",\"side\":1}", "\"side\" is for the picture"},
+      {"{\"do\":\"picture\",\"picture\":\"part\"}", "the picture \"part\", and no other, needs \"from\""},
+      {"{\"do\":\"picture\",\"picture\":\"layer\",\"from\":1}", "the picture \"part\", and no other, needs \"from\""},
+      {"{\"do\":\"start\",\"from\":1}", "start needs nothing"},
+      {"{\"do\":\"mask\",\"layer\":1,\"x\":16385}", "x: allowed is a number of pixels"},
+      {"{\"do\":\"mask\",\"layer\":1,\"step\":-1}", "step: allowed is a number of pixels"},
       {"{\"do\":\"picture\",\"picture\":\"proposal\",\"proposal\":5}", "proposal: allowed is"},
-      {"{\"do\":\"picture\",\"picture\":\"side\",\"proposal\":1}", "\"proposal\" is for the picture"},
+      {"{\"do\":\"picture\",\"picture\":\"issues\",\"proposal\":1}", "\"proposal\" is for the picture"},
       {"{\"do\":\"propose\",\"scan\":1}", "propose needs nothing beside"},
       {"{\"do\":\"report\"}", "report needs \"from\""},
       {"{\"do\":\"report\",\"from\":\"0\"}", "from: allowed is"},

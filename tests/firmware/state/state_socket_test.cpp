@@ -56,7 +56,7 @@ class StateSocketTest : public testing::Test, public CommandTaker {
     if (!from_.is_open()) return fail(ErrorCode::kBadSetting, "no socket.\tSend one");
     return 7U;
   }
-  Expected<bool> draw_mask(std::uint32_t layer, LayerPicture& picture) override {
+  Expected<bool> draw_mask(std::uint32_t layer, const MaskWindow&, MaskPicture& picture) override {
     if (turns_until_drawn_ > 0 && turns_until_drawn_-- > 0) return false;
     if (layer > 1) return fail(ErrorCode::kBadSetting, "there is no layer %u: the last one is 1", layer);
     picture.columns = picture.rows = 2;
