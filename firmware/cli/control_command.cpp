@@ -20,6 +20,8 @@ constexpr const char* kControlFooter =
     "  plumbline ctl choose 2                 take the second scan of 'plumbline status'\n"
     "  plumbline ctl open 1                   list its first folder; 0 goes back up\n"
     "  plumbline ctl set scale 1.5            a key of job.toml for this print; board/README.md has all of them\n"
+    "  plumbline ctl set reset \"\"             take all of them back\n"
+    "  plumbline ctl settings                 instead of printing what has been sliced, change its settings\n"
     "  plumbline ctl propose                  find the best orientations: 'plumbline status' lists them\n"
     "  plumbline ctl set proposal 2           take the second of them; 0 keeps the scan as it is\n"
     "  plumbline ctl upload bust.ply          put a scan into the printer's store: it is offered as on a stick\n"
@@ -46,6 +48,7 @@ constexpr Word kWords[] = {
     {Command::kChoose, "Choose a scan by its number in 'plumbline status'"},
     {Command::kOpen, "List a folder of the stick by its number in 'plumbline status'"},
     {Command::kSet, "Change a setting of the print that is offered"},
+    {Command::kSettings, "Go back from what has been sliced to its settings"},
     {Command::kPropose, "Find the best orientations of the scan that is offered"},
     {Command::kUpload, "Put a scan into the printer's store, in place of the one there"},
     {Command::kRemove, "Remove the scan from the printer's store"},

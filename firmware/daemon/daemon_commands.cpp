@@ -29,17 +29,10 @@ Expected<std::optional<EventKind>> DaemonCommands::take(const ClientRequest& req
   }
   if (request.command == Command::kFilled) return fill_tank(request.ml);
   if (request.command == Command::kRemove) return remove_upload(request.name.view());
-  const auto is_list = [&](const PlaceField& field) { return field.key == request.key.view(); };
-  if (contract != nullptr && request.command == Command::kSet && std::ranges::any_of(kPlaceFields, is_list)) {
-    PLUMBLINE_TRY(slice_again(request.key.view(), request.value.view()));
-    return EventKind::kCancelPressed;  // of this print: it is sliced anew
-  }
-  if (contract != nullptr && request.command == Command::kSet) {
-    PLUMBLINE_TRY(contract->set(request.key.view(), request.value.view()));
-    // Without its scan, the print keeps the layers that it has.
-    const bool again =
-        contract->shapes_layers(request.key.view()) && slice_again(request.key.view(), request.value.view());
-    return again ? std::optional(EventKind::kCancelPressed) : std::nullopt;
+  if (contract != nullptr && (request.command == Command::kSet || request.command == Command::kSettings)) {
+    const auto over = change_sliced(request);
+    PLUMBLINE_TRY(over);
+    return *over ? std::optional(EventKind::kCancelPressed) : std::nullopt;  // of this print
   }
   if (offer == nullptr)
     return telling(Told(PrinterCode::kCommandNotNow), fail(ErrorCode::kBadSetting, "nothing is offered"));
@@ -47,6 +40,17 @@ Expected<std::optional<EventKind>> DaemonCommands::take(const ClientRequest& req
   if (request.command != Command::kPropose && request.command != Command::kOpen) return std::nullopt;
   // The offer remembers that this start is none.
   return EventKind::kStartPressed;
+}
+
+/// @returns whether the question is over
+Expected<bool> DaemonCommands::change_sliced(const ClientRequest& request) {
+  if (request.command == Command::kSet && contract->takes(request.key.view())) {
+    const auto shapes_layers = contract->set(request.key.view(), request.value.view());
+    PLUMBLINE_TRY(shapes_layers);
+    // Without its scan, the print keeps the layers that it has.
+    if (!*shapes_layers || !scan_is_there(record_)) return false;
+  }
+  return again(request);
 }
 
 /// @returns start, if a print has asked for resin: that answers it
@@ -68,7 +72,7 @@ Expected<std::optional<EventKind>> DaemonCommands::fill_tank(std::optional<doubl
 Expected<std::optional<EventKind>> DaemonCommands::remove_upload(std::string_view name) {
   const auto removed = uploads_.remove(name);
   if (record_.stored) return tl::unexpected<Error>(removed.error());
-  if (record_.scans_uploaded) observer_.forget_scans();
+  observer_.forget_upload();
   if (!removed) observer_.tell(removed.error().message(), removed.error().told());
   if (record_.state != PrintState::kOffered || !of_upload) return std::nullopt;
   return EventKind::kCancelPressed;

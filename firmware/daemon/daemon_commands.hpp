@@ -40,11 +40,14 @@ class DaemonCommands final : public CommandTaker {
   StickOffer* offer = nullptr;          ///< that somebody is asked about; null: none
   OfferedContract* contract = nullptr;  ///< the same, of what has been sliced
   OfferedMasks* masks = nullptr;        ///< of the same
-  /// Changes a setting of the job that was sliced, which is then sliced again.
-  std::function<Status(std::string_view key, std::string_view value)> slice_again;
+  /// Takes the job that was sliced back to its settings, or changes one and has it sliced again.
+  /// @param request  settings, or set
+  /// @returns whether that ends the question; false: the setting is what it was
+  std::function<Expected<bool>(const ClientRequest& request)> again;
   bool of_upload = false;  ///< what is offered was uploaded
 
  private:
+  Expected<bool> change_sliced(const ClientRequest& request);
   Expected<std::optional<EventKind>> fill_tank(std::optional<double> ml);
   Expected<std::optional<EventKind>> remove_upload(std::string_view name);
 

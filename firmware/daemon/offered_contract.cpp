@@ -11,11 +11,12 @@
 namespace plumbline::firmware {
 
 OfferedContract::OfferedContract(std::string_view name, Contract& contract, PrintProfile& profile,
+                                 const PrintProfile& before,
                                  std::function<Expected<Contract>(const PrintProfile&)> remake, StateRecorder& recorder)
     : name_(name),
       contract_(contract),
       profile_(profile),
-      before_(profile),
+      before_(before),
       remake_(std::move(remake)),
       recorder_(recorder) {}
 
@@ -48,7 +49,12 @@ Expected<bool> OfferedContract::ask(std::string_view found, Answers& answers) {
   return false;
 }
 
-Status OfferedContract::set(std::string_view key, std::string_view value) {
+bool OfferedContract::takes(std::string_view key) const {
+  const PrintField* const field = find_print_field(key);
+  return contract_.is_archive || (field != nullptr && field->can_be_changed());
+}
+
+Expected<bool> OfferedContract::set(std::string_view key, std::string_view value) {
   const PrintField* const field = find_print_field(key);
   if (field == nullptr || !field->can_be_changed()) {
     return telling(Told(PrinterCode::kSettingUnknown, {}, key),
@@ -64,6 +70,9 @@ Status OfferedContract::set(std::string_view key, std::string_view value) {
   } else {
     set_value(changed_profile, *field, value_of(before_, *field), before_.sources[index_of(field->key)]);
   }
+  const std::size_t which = index_of(field->key);
+  const bool is_other = value_of(changed_profile, *field) != value_of(profile_, *field);
+  if (!is_other && changed_profile.sources[which] == profile_.sources[which]) return false;
   const auto contract = remake_(changed_profile);
   PLUMBLINE_TRY(contract);
   profile_ = std::move(changed_profile);
@@ -71,15 +80,14 @@ Status OfferedContract::set(std::string_view key, std::string_view value) {
   recorder_.ask_about_other();
   tell();
   if (put_) put_();
-  return {};
+  return is_other && shapes_layers(field->key);
 }
 
-bool OfferedContract::shapes_layers(std::string_view key) const {
+bool OfferedContract::shapes_layers(PrintKey key) const {
   using enum PrintKey;
-  const PrintField* const field = find_print_field(key);
-  if (field == nullptr || contract_.is_archive || !profile_.exchange) return false;
+  if (contract_.is_archive || !profile_.exchange) return false;
   constexpr std::array kLight = {kExposureTime, kInitialExposureTime, kBottomLayerCount, kFadedLayers};
-  return std::ranges::find(kLight, field->key) != kLight.end();
+  return std::ranges::find(kLight, key) != kLight.end();
 }
 
 }  // namespace plumbline::firmware

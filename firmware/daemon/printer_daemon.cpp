@@ -6,15 +6,16 @@
 #include <cstddef>
 #include <utility>
 
+#include "firmware/daemon/job_change.hpp"
 #include "firmware/daemon/offered_archive.hpp"
 #include "firmware/daemon/remedies.hpp"
 #include "firmware/daemon/scan_glances.hpp"
-#include "firmware/daemon/stick/job_setting.hpp"
 #include "firmware/daemon/stick/stick_reports.hpp"
 #include "firmware/daemon/stick_request.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "firmware/messages/told_text.hpp"
 #include "firmware/print/job/machine_record.hpp"
+#include "firmware/print/job/print_plan.hpp"
 #include "firmware/print/status/print_state.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/core/words/plural.hpp"
@@ -122,6 +123,8 @@ Status PrinterDaemon::settle() {
 /// Waits for scans and offers them.
 Status PrinterDaemon::serve_idle() {
   for (bool told_ready = false; !ending();) {
+    if (again_ && port().has_stick()) return serve_scans(commands_.of_upload);
+    again_.reset();  // its scan has left meanwhile
     if (uploads_.is_new()) return serve_scans(true);
     if (machine_.stick.has_stick() && stick_ == PortState::kNew) return serve_scans(false);
     if (uploads_.port().has_stick() && upload_ == PortState::kNew) return serve_scans(true);
@@ -203,10 +206,12 @@ Status PrinterDaemon::serve_fault() {
 /// @returns the job that somebody wants printed; none: nobody does, or the stick was pulled
 Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount, bool uploaded) {
   const auto again = std::exchange(again_, std::nullopt);
-  auto offer = StickOffer::read(mount, slicing_, settings_, observer_, uploaded, again ? again : printed_);
+  auto offer = StickOffer::read(mount, slicing_, settings_, observer_, uploaded);
   PLUMBLINE_TRY(offer);
-  if (again && offer->renew(*again)) return offer->job();
-  if (!uploaded && offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) return offer->job();
+  if (again && again->at_once && offer->job() == again->job) return offer->job();
+  if (!again && !uploaded && offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) {
+    return offer->job();
+  }
   EventKind answer{};
   do {
     ScanGlances glances(mount, *offer, record_, child_, slicing_, observer_, settings_);
@@ -234,10 +239,8 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount,
 /// The job is offered again afterwards, also if somebody has stopped it.
 Status PrinterDaemon::propose(const StickMount& mount, StickOffer& offer) {
   const StickJob& job = offer.job();
-  auto profile = settings_.profile(job.profile);
+  const auto profile = profile_for(job);
   PLUMBLINE_TRY(profile);
-  set_values(*profile, job.print_values(), ValueSource::kPerson);
-  profile->adaptive = job.is_adaptive();
   auto scan = open_scan(job, mount);
   PLUMBLINE_TRY(scan);
   auto request = stick_request(job, *scan, *profile, settings_);
@@ -259,19 +262,24 @@ Status PrinterDaemon::propose(const StickMount& mount, StickOffer& offer) {
   return {};
 }
 
-Expected<std::optional<Contract>> PrinterDaemon::agree(std::string_view name, const PrintGrid& grid,
-                                                       const StackFindings& findings, PrintProfile& profile,
-                                                       const MakeContract& make, const MakeMasks& masks,
-                                                       const std::function<Remedies(const Told&)>& mends) {
+Expected<std::optional<Contract>> PrinterDaemon::agree(ReadJob& job, const PrintGrid& grid,
+                                                       const StackFindings& findings, const MakeContract& make,
+                                                       const MakeMasks& masks) {
+  PrintProfile& profile = job.profile;
   auto contract = make(profile);
   PLUMBLINE_TRY(contract);
   // Without room for the masks there are none to look at.
   const auto to_look_at = masks(*contract);
-  OfferedContract offered(name, *contract, profile, make, observer_);
+  OfferedContract offered(job.request.name.view(), *contract, profile, job.untouched, make, observer_);
   offered.tell();
+  // An archive stands as it was sliced.
+  const auto mends = [&job](const Told& told) {
+    const bool is_scan = std::holds_alternative<SlicedScan>(job.scan);
+    return is_scan ? remedies_of(told, job.job, job.request.settings.supports.has_value()) : Remedies();
+  };
   for_each_issue(findings, grid, profile.checks, [&](IssueKind kind, CheckAction, std::string_view sentence) {
     const Told told = told_issue(kind, findings, grid);
-    observer_.warn(sentence, told, mends ? mends(told) : Remedies(), places_of(kind, findings, grid));
+    observer_.warn(sentence, told, mends(told), places_of(kind, findings, grid));
   });
   const CheckAction action = verdict(findings, profile.checks);
   if (action == CheckAction::kRefuse) {
@@ -301,12 +309,11 @@ Expected<std::optional<Contract>> PrinterDaemon::agree(std::string_view name, co
 Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, const SlicedScan& sliced) {
   const std::string_view name = job.request.name.view();
   const auto contract = agree(
-      name, sliced.rrep.grid, sliced.findings, job.profile,
+      job, sliced.rrep.grid, sliced.findings,
       [&](const PrintProfile& profile) {
         return contract_of(sliced, job.request.settings, profile, settings_.machine);
       },
-      [&](const Contract& made) { return OfferedScanMasks::create(sliced, made.plan.grey, arena_); },
-      [&](const Told& told) { return remedies_of(told, job.job, job.request.settings.supports.has_value()); });
+      [&](const Contract& made) { return OfferedScanMasks::create(sliced, made.plan.grey, arena_); });
   PLUMBLINE_TRY(contract);
   if (!*contract) return std::nullopt;
   return printable_of(sliced, name, job.profile.name, **contract);
@@ -318,11 +325,14 @@ Expected<std::optional<Printable>> PrinterDaemon::prepare(ReadJob& job, JobStore
   PLUMBLINE_TRY(sliced);
   observer_.previewed(child_.pictures());
   for_each_remark(*sliced, [this](const Told& told, std::string_view remark) { observer_.warn(remark, told); });
-  auto profile = profile_of(job.profile, sliced->settings, name, job.job.print_values());
+  const auto profile = profile_of(job.profile, sliced->settings, name, job.job.print_values());
   PLUMBLINE_TRY(profile);
   job.profile = *profile;
+  const auto untouched = profile_of(job.untouched, sliced->settings, name, observer_.kept().plain().print_values());
+  PLUMBLINE_TRY(untouched);
+  job.untouched = *untouched;
   const auto contract = agree(
-      name, sliced->grid, sliced->findings, job.profile,
+      job, sliced->grid, sliced->findings,
       [&](const PrintProfile& changed) { return contract_of(*sliced, changed, settings_.machine); },
       [&](const Contract&) {
         return OfferedArchiveMasks::create(archive.file.get(), name, *sliced, decoder_,
@@ -356,7 +366,7 @@ void PrinterDaemon::scans_came() {
 
 /// Offers what is in a port, and prints it if somebody wants that.
 Status PrinterDaemon::serve_scans(bool uploaded) {
-  if (uploaded && uploads_.take_new()) observer_.forget_scans();
+  if (uploaded && uploads_.take_new()) observer_.forget_upload();
   commands_.of_upload = uploaded;
   last_port() = PortState::kServed;
   fault_ = FaultCode::kNone;
@@ -367,8 +377,7 @@ Status PrinterDaemon::serve_scans(bool uploaded) {
   PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
   std::optional<ReadJob> read;
   {
-    StickPort& port = uploaded ? uploads_.port() : machine_.stick;
-    const auto mount = port.mount();
+    const auto mount = port().mount();
     PLUMBLINE_TRY(mount);
     const auto wanted = choose(*mount, uploaded);
     // A stick may have come for the reports alone.
@@ -388,10 +397,12 @@ Status PrinterDaemon::serve_scans(bool uploaded) {
 
 /// Takes all that the print needs from a mounted stick, so that it may be pulled afterwards.
 Expected<PrinterDaemon::ReadJob> PrinterDaemon::read_job(const StickMount& mount, const StickJob& job) {
-  auto profile = settings_.profile(job.profile);
+  const auto profile = profile_for(job);
   PLUMBLINE_TRY(profile);
-  set_values(*profile, job.print_values(), ValueSource::kPerson);
-  profile->adaptive = job.is_adaptive();
+  StickJob plain = job;
+  plain.values = observer_.kept().plain().values;
+  const auto untouched = profile_for(plain);
+  PLUMBLINE_TRY(untouched);
   auto scan = open_scan(job, mount);
   PLUMBLINE_TRY(scan);
   apply(PrintEvent::kJobTaken);
@@ -400,7 +411,7 @@ Expected<PrinterDaemon::ReadJob> PrinterDaemon::read_job(const StickMount& mount
   observer_.say(text.view());
   const auto request = stick_request(job, *scan, *profile, settings_);
   PLUMBLINE_TRY(request);
-  ReadJob read{*request, *profile, job, !record_.has_job_file, {}};
+  ReadJob read{*request, *profile, *untouched, job, {}};
   if (is_archive_name(job.scans[0])) {
     auto copied = slicing_.copy(mount, scan->front(), store_);
     PLUMBLINE_TRY(copied);
@@ -431,39 +442,56 @@ Status PrinterDaemon::print_job(PrintSession& session, ReadJob job) {
     PLUMBLINE_TRY(session.take(**std::move(wanted)));
     return true;
   };
-  commands_.slice_again = [&](std::string_view key, std::string_view value) { return slice_again(job, key, value); };
+  commands_.again = [&](const ClientRequest& request) { return again(job, request); };
   const auto taken = take();
-  commands_.slice_again = nullptr;
+  commands_.again = nullptr;
+  if (taken && *taken) again_.reset();
+  observer_.kept().keep(again_ ? again_->job : as_asked(job.job, job.profile));
   if (!taken || !*taken) store_.drop_received();
   PLUMBLINE_TRY(taken);
   if (!*taken) return {};
   apply(PrintEvent::kSliced);
-  printed_.reset();
-  if (job.is_chosen) printed_ = std::move(job.job);
   print(session, job.profile);
   return {};
 }
 
-Status PrinterDaemon::slice_again(const ReadJob& job, std::string_view key, std::string_view value) {
-  const StickPort& port = commands_.of_upload ? uploads_.port() : machine_.stick;
-  if (!port.has_stick() || is_archive_name(job.job.scans[0])) {
-    return telling(
-        Told(PrinterCode::kCommandNotNow),
-        fail(ErrorCode::kBadSetting,
-             "supports can't be changed: the scan is no longer there, or another program has sliced it.\tDecline the "
-             "print and put the stick in again"));
+Expected<PrintProfile> PrinterDaemon::profile_for(const StickJob& job) const {
+  auto profile = settings_.profile(job.profile);
+  PLUMBLINE_TRY(profile);
+  set_values(*profile, job.print_values(), ValueSource::kPerson);
+  profile->adaptive = job.is_adaptive();
+  return profile;
+}
+
+Expected<bool> PrinterDaemon::again(const ReadJob& job, const ClientRequest& request) {
+  const StickJob asked = as_asked(job.job, job.profile);
+  const std::string_view key = request.key.view();
+  if (request.command == Command::kSettings) {
+    again_ = Again{asked, false};
+    return true;
   }
-  StickJob changed = job.job;
-  PLUMBLINE_TRY(set_job_setting(changed, key, value));
-  PLUMBLINE_TRY(changed.supports.over(job.profile.supports_enable, job.profile.supports));
-  for (const PrintField& field : kPrintFields) {  // what the person has changed since it was sliced
-    const std::size_t i = index_of(field.key);
-    if (field.can_be_changed() && job.profile.sources[i] == ValueSource::kPerson)
-      changed.values[i] = value_of(job.profile, field);
+  if (!scan_is_there(record_)) {
+    return telling(Told(PrinterCode::kScanNotThere, {}, key),
+                   fail(ErrorCode::kBadSetting,
+                        "'%.*s': can't be changed, because the scan is no longer there.\tPut its stick in again, or "
+                        "decline the print",
+                        static_cast<int>(key.size()), key.data()));
   }
-  again_ = std::move(changed);
-  last_port() = PortState::kNew;
-  return {};
+  StickJob changed = asked;
+  const PrintField* const field = find_print_field(key);
+  const bool is_value = field != nullptr && field->can_be_changed();  // then the profile has it
+  if (!is_value) {
+    PLUMBLINE_TRY(change_job(changed, key, request.value.view(), observer_.kept().plain(), settings_));
+    if (changed == asked) return false;
+    const auto profile = profile_for(changed);
+    PLUMBLINE_TRY(profile);
+    const bool cleared = clear_stale_supports(changed, asked, settings_);
+    PLUMBLINE_TRY(changed.supports.over(profile->supports_enable, profile->supports));
+    PLUMBLINE_TRY(plan_print(*profile, settings_.machine, finest_layer_mm(*profile), 1));
+    if (cleared) observer_.supports_cleared();
+  }
+  again_ = Again{std::move(changed), true};
+  return true;
 }
 
 Status PrinterDaemon::resume() {

@@ -55,8 +55,8 @@ class PrinterDaemon {
   struct ReadJob {
     ScanRequest request;
     PrintProfile profile;
+    PrintProfile untouched;  ///< the same without what a person has said
     StickJob job;
-    bool is_chosen;                                     ///< by a person, not named by a job file
     std::variant<SlicedScan, JobStore::Received> scan;  ///< sliced, or an archive that was copied
   };
   /// Whether the scans in a port are offered unasked.
@@ -86,12 +86,11 @@ class PrinterDaemon {
   using MakeContract = std::function<Expected<Contract>(const PrintProfile& profile)>;
   using MakeMasks = std::function<Expected<std::unique_ptr<OfferedMasks>>(const Contract&)>;
   /// Tells what will be done and what the checks found, then refuses the job, asks a person or goes on, as profile and board file say.
-  /// @param profile  gets what the person changes
-  /// @param masks    to look at meanwhile
+  /// @param job    its profile gets what the person changes
+  /// @param masks  to look at meanwhile
   /// @returns the contract to carry out; none: nobody wants that, and the state says why
-  Expected<std::optional<Contract>> agree(std::string_view name, const PrintGrid& grid, const StackFindings& findings,
-                                          PrintProfile& profile, const MakeContract& make, const MakeMasks& masks,
-                                          const std::function<Remedies(const Told&)>& mends = {});
+  Expected<std::optional<Contract>> agree(ReadJob& job, const PrintGrid& grid, const StackFindings& findings,
+                                          const MakeContract& make, const MakeMasks& masks);
   /// @returns what to print of a job; none: nobody wants it
   Expected<std::optional<Printable>> prepare(ReadJob& job, const SlicedScan& sliced);
   /// The same of an archive that was copied; a child checks it first. The job's profile gets the archive's exposures.
@@ -99,13 +98,16 @@ class PrinterDaemon {
   /// Writes reports onto the stick if it asks for them. What goes wrong is only said.
   /// @returns whether it asks
   bool store_reports();
-  /// Changes the supports of a job that was sliced, for the next turn: it is offered again, and sliced at once.
-  Status slice_again(const ReadJob& job, std::string_view key, std::string_view value);
+  /// The profile of a job with its values.
+  Expected<PrintProfile> profile_for(const StickJob& job) const;
+  /// Takes a job that was sliced back to its settings, or changes one, for the next turn: see DaemonCommands::again.
+  Expected<bool> again(const ReadJob& job, const ClientRequest& request);
   Status resume();
   void print(PrintSession& session, const PrintProfile& profile);
   void keep_fault(FaultCode code, std::string_view finding);
   void refuse(const Error& error, FaultCode code);
-  PortState& last_port() { return commands_.of_upload ? upload_ : stick_; }  ///< of the last job
+  StickPort& port() { return commands_.of_upload ? uploads_.port() : machine_.stick; }  ///< of the last job
+  PortState& last_port() { return commands_.of_upload ? upload_ : stick_; }             ///< of the last job
 
   Machine& machine_;
   const DaemonSettings& settings_;
@@ -120,9 +122,13 @@ class PrinterDaemon {
   Answers answers_;
   FaultCode fault_ = FaultCode::kNone;
   Uploads& uploads_;
-  std::optional<StickJob> printed_;  ///< the last job; none: it came from a job file, or there was none
-  std::optional<StickJob> again_;    ///< what is sliced anew with other supports
-  DaemonCommands commands_;          ///< knows what is offered, and whether the last job was that of an upload
+  /// A job that was sliced, and is offered again.
+  struct Again {
+    StickJob job;
+    bool at_once;  ///< it is sliced without a question
+  };
+  std::optional<Again> again_;
+  DaemonCommands commands_;  ///< knows what is offered, and whether the last job was that of an upload
   PortState stick_ = PortState::kNew;
   PortState upload_ = PortState::kServed;  ///< a scan that comes is offered first: Uploads::is_new()
 };

@@ -119,8 +119,16 @@ void StateRecorder::tell(const PrintableText& text, const Told& told) {
   observer_.say(text);
 }
 
+void StateRecorder::supports_cleared() {
+  tell(
+      "supports set by hand were cleared, because the object, its size, its orientation or its height above the plate "
+      "has changed. Set them again once it is sliced",
+      PrinterCode::kSupportsCleared);
+}
+
 void StateRecorder::look_around() {
   record_.has_stick = stick_.has_stick();
+  if (!record_.has_stick) kept_.forget(false);
   if (!record_.has_stick && !record_.scans_uploaded) forget_scans();
   if (!record_.code.view().empty() && std::chrono::steady_clock::now() > code_until_) record_.code.clear();
 }
@@ -169,6 +177,11 @@ void StateRecorder::idle() {
   observer_.idle();
 }
 
+void StateRecorder::forget_upload() {
+  kept_.forget(true);
+  if (record_.scans_uploaded) forget_scans();
+}
+
 void StateRecorder::forget_scans() {
   record_.scan_count = record_.folder_count = 0;
   record_.folder.clear();
@@ -176,7 +189,7 @@ void StateRecorder::forget_scans() {
   folder_.clear();
 }
 
-bool StateRecorder::found(const StickScans& scans, bool uploaded) {
+void StateRecorder::found(const StickScans& scans, bool uploaded) {
   if (record_.scans_uploaded != uploaded || folder_ != scans.folder) forget_scans();
   record_.scans_uploaded = uploaded;
   const auto before = record_.scans;
@@ -191,7 +204,6 @@ bool StateRecorder::found(const StickScans& scans, bool uploaded) {
     known.entries = static_cast<std::uint32_t>(folder.entries);
   }
   tell_left_out(scans);
-  std::size_t known = 0;
   for (const StickEntry& entry : scans.list) {
     ScanRecord& scan = record_.scans[record_.scan_count++];
     scan = {};
@@ -205,7 +217,6 @@ bool StateRecorder::found(const StickScans& scans, bool uploaded) {
       scan.problem = known_one.problem;
       scan.told = known_one.told;
       if (k + 1 == record_.scan_count) scan.picture = known_one.picture;  // it is still there
-      ++known;
       break;
     }
     if (entry.bytes == 0 && scan.files == 1 && scan.problem.view().empty()) {
@@ -219,7 +230,6 @@ bool StateRecorder::found(const StickScans& scans, bool uploaded) {
       scan.told = {PrinterCode::kTooManyFiles, {{Fact::kCount, kMostScans}}};
     }
   }
-  return count_before > 0 && known == count_before && record_.scan_count == count_before;
 }
 
 /// Says what nobody can choose, and how much it is.

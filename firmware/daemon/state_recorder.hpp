@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "firmware/daemon/daemon_observer.hpp"
+#include "firmware/daemon/stick/kept_jobs.hpp"
 #include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/daemon/stick/stick_scans.hpp"
 #include "firmware/io/random_id.hpp"
@@ -59,14 +60,15 @@ class StateRecorder final : public DaemonObserver {
   /// Forgets them: they are not those of the job any more.
   void forget_proposals();
 
-  /// Forgets the scans that were listed: others have been uploaded.
-  void forget_scans();
+  /// The uploaded scan is gone, or another one has come.
+  void forget_upload();
   /// The folder of the stick that was listed last; empty: its top folder, or another stick's.
   const std::string& folder() const { return folder_; }
   /// The scans of a stick. What was wrong with one of them is remembered as long as the stick is in.
   /// @param uploaded  they are those of the printer's store
-  /// @returns whether they are those that were listed before
-  bool found(const StickScans& scans, bool uploaded);
+  void found(const StickScans& scans, bool uploaded);
+  /// What was set for the scans of the stick that is in, and for the uploaded one.
+  KeptJobs& kept() { return kept_; }
   /// What would be printed.
   /// @param profile  the job's, or the printer's
   /// @param chosen   index of its scan among those of the stick; none: a job file names it
@@ -75,6 +77,8 @@ class StateRecorder final : public DaemonObserver {
   void contracted(const Contract& contract);
   /// A print that goes on.
   void resumed(const PrintSession& session);
+  /// Says that supports set by hand do not hold any more.
+  void supports_cleared();
   /// Says what the state alone does not.
   void tell(const PrintableText& text, const Told& told);
   /// Says something that whoever prints should know.
@@ -85,6 +89,7 @@ class StateRecorder final : public DaemonObserver {
   void show_code(std::string_view code);
 
  private:
+  void forget_scans();
   /// The stick, and a code whose time is over.
   void look_around();
   void show_layer(std::uint32_t layer);
@@ -97,6 +102,7 @@ class StateRecorder final : public DaemonObserver {
   std::unique_ptr<JobPictures> pictures_;
   std::unique_ptr<ScanPictures> scan_pictures_;
   std::uint32_t scan_picture_number_;
+  KeptJobs kept_;
   std::string folder_;  ///< as StickScans::folder
   std::chrono::steady_clock::time_point code_until_{};
   std::uint32_t next_layer_ = 0;  ///< of the picture that waits

@@ -1,11 +1,12 @@
 #include "firmware/daemon/stick_offer.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "firmware/archive/layer_archive.hpp"
-#include "firmware/daemon/stick/job_setting.hpp"
+#include "firmware/daemon/job_change.hpp"
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/messages/printer_code.hpp"
 #include "slicer/core/words/plural.hpp"
@@ -30,28 +31,10 @@ tl::unexpected<Error> nothing_on(const StickScans& scans) {
                             unseen.c_str()));
 }
 
-/// The settings of a job that decide where its object lies on the plate.
-JobSettings placing(JobSettings job) {
-  job.layer_height = 0;
-  job.values = {};
-  job.supports = {};
-  return job;
-}
-
-/// @retval ErrorCode::kBadSetting  they are off, too
-Expected<SupportSettings> supports_of(const StickJob& job, const DaemonSettings& daemon) {
-  const auto profile = daemon.profile(job.profile);
-  PLUMBLINE_TRY(profile);
-  const auto supports = job.supports.over(profile->supports_enable, profile->supports);
-  PLUMBLINE_TRY(supports);
-  if (!*supports) return fail(ErrorCode::kBadSetting, "supports are off");
-  return **supports;
-}
-
 }  // namespace
 
 Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slicing, const DaemonSettings& settings,
-                                      StateRecorder& recorder, bool uploaded, const std::optional<StickJob>& printed) {
+                                      StateRecorder& recorder, bool uploaded) {
   const auto look = [&] { return slicing.look(mount); };
   // After a print the folder from which it came is still open.
   auto scans = list_scans(mount, uploaded ? std::string() : recorder.folder(), look);
@@ -61,30 +44,27 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
   StickOffer offer(settings, recorder);
   offer.scans_ = std::move(*scans);
   offer.uploaded_ = uploaded;
-  const bool known = recorder.found(offer.scans_, uploaded);
+  recorder.found(offer.scans_, uploaded);
   if (offer.has_job_file()) {
     const std::string_view job_file = offer.scans_.job_file.view();
     auto file = mount.open(job_file);
     PLUMBLINE_TRY(file);
     auto job = slicing.read_job(mount, *file);
     PLUMBLINE_TRY(job);
-    offer.job_ = std::move(*job);
-    for (std::string& scan : offer.job_.scans) scan = mount.name_beside(job_file, scan);
-    PLUMBLINE_TRY(find_files(offer.job_, mount));
+    for (std::string& scan : job->scans) scan = mount.name_beside(job_file, scan);
+    PLUMBLINE_TRY(find_files(*job, mount));
+    offer.job_ = recorder.kept().take({.names = job->scans}, uploaded, *job);
+    offer.record();
   } else if (offer.choices() == 0 && offer.scans_.foreign) {
     return tl::unexpected<Error>(*offer.scans_.foreign);
   } else if (offer.choices() == 0) {
     return nothing_on(offer.scans_);
   } else {
-    offer.job_.scans = offer.files_of(0);
-    for (std::size_t i = 0; known && printed && i < offer.choices(); ++i) {
-      if (offer.files_of(i) != printed->scans) continue;
-      offer.chosen_ = i;
-      offer.job_ = *printed;
-    }
+    const auto at_hand = [&](const StickEntry& scan) { return recorder.kept().at_hand(scan, uploaded); };
+    const auto found = std::ranges::find_if(offer.scans_.list, at_hand);
+    offer.take(found == offer.scans_.list.end() ? 0 : static_cast<std::size_t>(found - offer.scans_.list.begin()));
     if (offer.scans_.foreign) recorder.tell(offer.scans_.foreign->message(), offer.scans_.foreign->told());
   }
-  offer.record();
   return offer;
 }
 
@@ -99,8 +79,8 @@ Expected<bool> StickOffer::open_folder(const StickMount& mount, ScanSlicing& sli
     scans_ = std::move(*scans);
     recorder_->found(scans_, uploaded_);
     forget_proposals();
-    clear_supports();
     take(0);
+    show();
   }
   return true;
 }
@@ -153,20 +133,16 @@ void StickOffer::show() const {
 void StickOffer::choose(std::size_t scan) {
   if (choices() == 1) return;
   if (chosen_ != scan) forget_proposals();
-  if (chosen_ != scan) clear_supports();
   take(scan);
+  show();
 }
 
 void StickOffer::take(std::size_t scan) {
   chosen_ = scan;
-  const bool was_archive = is_archive_name(job_.scans[0]);
-  job_.scans = files_of(scan);
-  const bool is_archive = is_archive_name(job_.scans[0]);
-  JobSettings& settings = job_;
-  if (is_archive && !was_archive) of_scans_ = std::exchange(settings, JobSettings());
-  if (was_archive && !is_archive) settings = of_scans_;
+  StickJob plain;
+  plain.scans = files_of(scan);
+  job_ = recorder_->kept().take(scans_.list[scan], uploaded_, plain);
   record();
-  show();
 }
 
 /// @param number  of the folders in the list, from 1; 0: the folder above
@@ -190,60 +166,29 @@ void StickOffer::forget_proposals() {
   recorder_->forget_proposals();
 }
 
-bool StickOffer::renew(const StickJob& job) {
-  if (job_.scans != job.scans) return false;
-  job_ = job;
-  record();
-  return true;
-}
-
-/// Clears supports set by hand, which hold for one object in one size, orientation and height above the plate.
-void StickOffer::clear_supports() {
-  if (!job_.supports.has_places()) return;
-  job_.supports.places = {};
-  recorder_->tell(
-      "supports set by hand were cleared, because the object, its size, its orientation or its height above the plate "
-      "has changed. Set them again once it is sliced",
-      PrinterCode::kSupportsCleared);
-}
-
 Status StickOffer::set(std::string_view key, std::string_view value) {
-  const StickJob before = job_;
-  if (key == "profile") {
-    PLUMBLINE_TRY(settings_->profile(std::string(value)));
-    job_.profile = value;
-  } else if (key == "proposal") {
-    PLUMBLINE_TRY(set_proposal(value));
-  } else if (is_archive_name(job_.scans[0]) && find_print_field(key) == nullptr) {
-    return telling(Told(PrinterCode::kArchiveSettings, {}, job_.title()),
-                   fail(ErrorCode::kBadSetting,
-                        "%s: is sliced already, so only its profile, exposures, lifts and waits can be set",
-                        job_.title().c_str()));
+  StickJob changed = job_;
+  if (key == "proposal") {
+    PLUMBLINE_TRY(set_proposal(changed, value));
   } else {
-    PLUMBLINE_TRY(set_job_setting(job_, key, value));
+    PLUMBLINE_TRY(change_job(changed, key, value, recorder_->kept().plain(), *settings_));
   }
-  const auto supports = supports_of(job_, *settings_);
-  if (!supports && job_.supports.has_places() && before.supports.places != job_.supports.places) {
-    job_ = before;
-    return tl::unexpected<Error>(supports.error());
-  }
+  if (changed == job_) return {};
+  if (clear_stale_supports(changed, job_, *settings_)) recorder_->supports_cleared();
+  const StickJob before = std::exchange(job_, std::move(changed));
   // Their figures hold for one size, layer height and choice of supports.
   const bool same = before.units == job_.units && before.as == job_.as && before.scale == job_.scale &&
                     before.fit == job_.fit && before.size == job_.size && before.keep_clean == job_.keep_clean &&
-                    before.supports == job_.supports && before.layer_height == job_.layer_height && key != "profile" &&
-                    (before.rotate_z_deg == job_.rotate_z_deg || !job_.fit);
+                    before.supports == job_.supports && before.layer_height == job_.layer_height &&
+                    before.profile == job_.profile && (before.rotate_z_deg == job_.rotate_z_deg || !job_.fit);
   if (!same) forget_proposals();
-  if (job_.supports.has_places()) {
-    const auto was = supports_of(before, *settings_);
-    const bool as_high = supports && was && supports->stand == was->stand && lift_mm(*supports) == lift_mm(*was);
-    if (!as_high || placing(before) != placing(job_)) clear_supports();
-  }
+  recorder_->kept().keep(job_);
   record();
   return {};
 }
 
-/// Turns the job as one of the proposals is turned.
-Status StickOffer::set_proposal(std::string_view value) {
+/// Turns a job as one of the proposals is turned.
+Status StickOffer::set_proposal(StickJob& job, std::string_view value) const {
   if (!proposals_) {
     return fail(ErrorCode::kBadSetting,
                 "proposal: the best orientations are not known.\tSend {\"do\": \"propose\"} first");
@@ -254,9 +199,9 @@ Status StickOffer::set_proposal(std::string_view value) {
                 value.data(), kProposalCount - 1);
   }
   const auto& degrees = (*proposals_)[number].degrees;
-  job_.rotate_x_deg = degrees[0];
-  job_.rotate_y_deg = degrees[1];
-  job_.orient = false;
+  job.rotate_x_deg = degrees[0];
+  job.rotate_y_deg = degrees[1];
+  job.orient = false;
   return {};
 }
 

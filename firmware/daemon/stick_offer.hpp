@@ -23,14 +23,14 @@ namespace plumbline::firmware {
 /// What is on a stick, and what of it would be printed if somebody pressed start. Each change is recorded.
 class StickOffer {
  public:
-  /// Reads what a stick or the store of uploads has. Both settings and recorder must outlive the offer.
+  /// Reads what a stick or the store of uploads has, and offers the scan that was at hand, else the first. Each has the settings that were
+  /// kept. Both settings and recorder must outlive the offer.
   /// @param uploaded  it is the store
-  /// @param printed   the last job that was printed: the same scan of the same stick is offered with its settings
   /// @retval the errors of list_scans(), of ScanSlicing::read_job() and of find_files()
   /// @retval ErrorCode::kNoPoints  there is no scan
   [[nodiscard]] static Expected<StickOffer> read(const StickMount& mount, ScanSlicing& slicing,
-                                                 const DaemonSettings& settings, StateRecorder& recorder, bool uploaded,
-                                                 const std::optional<StickJob>& printed);
+                                                 const DaemonSettings& settings, StateRecorder& recorder,
+                                                 bool uploaded);
 
   const StickJob& job() const { return job_; }
   /// Scans and series to choose from; 1 if a job file says what is printed.
@@ -53,15 +53,12 @@ class StickOffer {
   /// @returns whether somebody does. One in which there is nothing stays closed
   /// @retval the errors of list_scans() but those of the folder
   [[nodiscard]] Expected<bool> open_folder(const StickMount& mount, ScanSlicing& slicing);
-  /// Offers an earlier job again.
-  /// @returns false: its files are not the ones that are there
-  bool renew(const StickJob& job);
   /// They are there: one can be chosen.
   /// @param drawn  their pictures
   void propose(const Proposals& proposals, const ProposalPictures& drawn);
   /// Chooses a scan, changes a setting, or wishes for proposals or a folder, as a client asks.
   /// @param request  choose, set, propose or open
-  /// @retval ErrorCode::kBadSetting  no such scan, folder or profile, or the errors of set_job_setting(); nothing has changed
+  /// @retval ErrorCode::kBadSetting  no such scan or folder, or the errors of change_job(); nothing has changed
   [[nodiscard]] Status change(const ClientRequest& request);
 
  private:
@@ -73,15 +70,13 @@ class StickOffer {
   Status wish_folder(std::uint32_t number);
   Status set(std::string_view key, std::string_view value);
   void forget_proposals();
-  void clear_supports();
-  Status set_proposal(std::string_view value);
+  Status set_proposal(StickJob& job, std::string_view value) const;
   void record() const;
 
   const DaemonSettings* settings_;
   StateRecorder* recorder_;
   StickScans scans_;
   StickJob job_;
-  JobSettings of_scans_;                ///< those of job_, while an archive is chosen, which has none
   std::optional<Proposals> proposals_;  ///< for the job as it is
   bool uploaded_ = false;
   bool wishes_ = false;

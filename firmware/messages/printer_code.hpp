@@ -187,10 +187,11 @@ enum class PrinterCode : std::uint16_t {
   kRequestsTooMany,
   kCommandWithdrawn,
   kCodesTooMany,
+  kScanNotThere,
 };
 ToldCode extends(PrinterCode code);
 /// Of the slicer and the printer together.
-inline constexpr std::size_t kAllCodes = static_cast<std::size_t>(PrinterCode::kCodesTooMany) + 1;
+inline constexpr std::size_t kAllCodes = static_cast<std::size_t>(PrinterCode::kScanNotThere) + 1;
 
 enum class PrinterFact : std::uint8_t {
   kOffMm = kFactCount,

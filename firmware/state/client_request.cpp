@@ -79,6 +79,7 @@ Needs needs_of(Command command) {
     case Command::kPlateEmpty:
     case Command::kSeen:
     case Command::kPropose:
+    case Command::kSettings:
     case Command::kOffer: return {};
   }
   return {};
@@ -118,7 +119,7 @@ Status store(RequestMember member, const Value& value, ClientRequest& request, s
       if (!command) {
         return wrong_value("do",
                            "start, pause, resume, cancel, plate-empty, seen, offer, choose, set, remove, propose, "
-                           "open, filled, picture, "
+                           "open, settings, filled, picture, "
                            "mask, report, code or upload");
       }
       request.command = *command;

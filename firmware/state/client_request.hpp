@@ -7,7 +7,7 @@
 ///     {"do": "report", "print": 12, "from": 0}   {"do": "picture", "picture": "preview", "print": 12}
 ///     {"do": "picture", "picture": "part", "from": 0}   {"do": "picture", "picture": "proposal", "proposal": 1}   {"do": "propose"}
 ///     {"do": "picture", "picture": "scan", "scan": 2}   {"do": "open", "folder": 1}
-///     {"do": "filled"}   {"do": "filled", "ml": 120}
+///     {"do": "filled"}   {"do": "filled", "ml": 120}   {"do": "settings"}
 ///     {"do": "start", "for": "9f3c01d2a4b5e687"}   {"do": "mask", "layer": 12, "job": "1b0f..."}
 ///
 /// Takes nothing from the heap, whatever the line.

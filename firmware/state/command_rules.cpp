@@ -16,7 +16,8 @@ bool takes_in(PrintState state, Command command) {
     case PrintState::kIdle: return command == Command::kOffer;
     case PrintState::kOffered:
       return command == Command::kStart || command == Command::kCancel || command == Command::kChoose ||
-             command == Command::kSet || command == Command::kPropose || command == Command::kOpen;
+             command == Command::kSet || command == Command::kPropose || command == Command::kOpen ||
+             command == Command::kSettings;
     case PrintState::kInterrupted: return command == Command::kResume || command == Command::kCancel;
     case PrintState::kPlateInUse: return command == Command::kPlateEmpty;
     case PrintState::kFault: return command == Command::kSeen;
@@ -55,6 +56,7 @@ std::string_view to_string(Command command) {
     case Command::kRemove: return "remove";
     case Command::kPropose: return "propose";
     case Command::kOpen: return "open";
+    case Command::kSettings: return "settings";
     case Command::kPicture: return "picture";
     case Command::kMask: return "mask";
     case Command::kReport: return "report";
@@ -83,6 +85,7 @@ bool takes(const PrinterRecord& record, Command command) {
   if (command == Command::kOpen && (record.has_job_file || record.sliced || !has_folders)) return false;
   if (command == Command::kPause && record.note == PrintNote::kPauseTaken) return false;
   if (command == Command::kChoose && record.sliced) return false;
+  if (command == Command::kSettings && !(record.sliced && scan_is_there(record))) return false;
   // An archive stands as it was sliced.
   if (command == Command::kPropose && (record.sliced || !record.job || is_archive_name(record.job->files[0].view()))) {
     return false;
@@ -90,10 +93,18 @@ bool takes(const PrinterRecord& record, Command command) {
   return takes_in(record.state, command);
 }
 
+bool scan_is_there(const PrinterRecord& record) {
+  if (!record.scans_uploaded) return record.has_stick;
+  const ScanRecord& scan = record.scans[0];
+  return record.stored && record.scan_count == 1 && record.stored->name.view() == scan.name.view() &&
+         record.stored->bytes == scan.bytes;
+}
+
 bool is_meant(const PrinterRecord& record, Command command, std::uint64_t about) {
   if (about == 0 || about == record.question_id()) return true;
-  return about == record.job_id && (command == Command::kPause || command == Command::kCancel ||
-                                    command == Command::kSet || command == Command::kPropose);
+  return about == record.job_id &&
+         (command == Command::kPause || command == Command::kCancel || command == Command::kSet ||
+          command == Command::kSettings || command == Command::kPropose);
 }
 
 bool answers_question(const PrinterRecord& record, Command command) {
@@ -136,6 +147,7 @@ std::optional<EventKind> button_of(Command command) {
     case Command::kRemove:
     case Command::kPropose:
     case Command::kOpen:
+    case Command::kSettings:
     case Command::kPicture:
     case Command::kMask:
     case Command::kReport:

@@ -25,6 +25,7 @@ enum class Command : std::uint8_t {
   kRemove,      ///< the uploaded scan, out of the printer's store
   kPropose,     ///< look for the best ways up of the scan that is offered
   kOpen,        ///< list a folder of the stick
+  kSettings,    ///< take what has been sliced back to its settings
   // The others are in no state's list of commands.
   kPicture,  ///< a picture of the job. Whoever may read may ask for it, as for the next two
   kMask,     ///< the mask of any layer, while what has been sliced is offered
@@ -34,8 +35,8 @@ enum class Command : std::uint8_t {
   kFilled,   ///< somebody has filled the tank
 };
 /// Those that a state's list of commands may have.
-inline constexpr std::size_t kCommandCount = 12;
-inline constexpr std::size_t kRequestCount = 18;
+inline constexpr std::size_t kCommandCount = 13;
+inline constexpr std::size_t kRequestCount = 19;
 
 /// Whether a request changes nothing.
 constexpr bool is_question(Command command) {
@@ -49,8 +50,11 @@ std::optional<Command> command_of(std::string_view word);
 /// Whether the printer takes a command now. Of kUpload the daemon says itself why not: takes_upload() is not all of it.
 bool takes(const PrinterRecord& record, Command command);
 
+/// Whether the scan of what has been sliced can be read again: its stick is in, or it is the uploaded one.
+bool scan_is_there(const PrinterRecord& record);
+
 /// Whether a command is meant for what is at hand: it does not say what for, or it names the question that is put, or the job, as pause,
-/// cancel, set and propose may.
+/// cancel, set, settings and propose may.
 /// @param about  of RandomIds; 0: it does not say
 bool is_meant(const PrinterRecord& record, Command command, std::uint64_t about);
 
@@ -64,7 +68,8 @@ bool takes_upload(const PrinterRecord& record);
 /// "the printer is printing: it takes pause, cancel"
 FixedText<200> what_it_takes(const PrinterRecord& record);
 
-/// The button that does the same; none: the daemon does it itself (choose, set, remove, propose, filled, code, upload).
+/// The button that does the same; none: the daemon does it itself (choose, set, settings, remove, propose, open, filled, code,
+/// upload).
 /// @pre takes()
 std::optional<EventKind> button_of(Command command);
 

@@ -23,6 +23,7 @@ struct StickEntry {
   std::vector<std::string> names;
   std::uint64_t bytes = 0;    ///< of all
   std::int64_t modified = 0;  ///< s since 1970, of the newest
+  bool operator==(const StickEntry&) const = default;
 };
 
 struct StickFolder {

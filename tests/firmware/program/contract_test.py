@@ -171,7 +171,6 @@ class Contract(StatePrinter):
         user.do("start")
         asked = user.until(lambda s: s["state"] == "offered" and s["masks"], "a question")
         self.assertNotIn("support_missed", [one["told"]["code"] for one in asked["findings"] if one["told"]])
-        user.refused("can't be changed once the layers are made", "set", key="support_stand", value="plate")
         user.refused("allowed is up to 32 places", "set", key="support_at", value="1,2")
         # Undersides are raised by what light cures: it is sliced anew with the exposure, and asked about again.
         user.refused("this printer's lamp may be lit for 60 s at most", "set", key="initial_exposure_time", value=61)

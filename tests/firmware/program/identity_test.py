@@ -110,8 +110,8 @@ class Answers(Identity):
         sliced = self.sliced(user)
         self.assertEqual(sliced["job"]["id"], other["job"]["id"])
         # What has been sliced can't be changed for another scan, and says so before anybody tries. Its exposures can, which is another question.
-        self.assertEqual(sliced["commands"], ["start", "cancel", "set"])
-        user.refused("It takes start, cancel, set", "choose", scan=1)
+        self.assertEqual(sliced["commands"], ["start", "cancel", "set", "settings"])
+        user.refused("It takes start, cancel, set, settings", "choose", scan=1)
         user.do("set", key="exposure_time", value=3, **{"for": sliced["job"]["id"]})
         seen, sliced = sliced, user.until(lambda s: s["asks"] != sliced["asks"], "another question")
         self.assertEqual(user.ask("start", **{"for": seen["asks"]})["told"]["code"], "answer_stale")

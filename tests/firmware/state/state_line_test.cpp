@@ -267,6 +267,38 @@ TEST(StateLine, SaysWhatIsUploadedAndHowMuchMayBe) {
   EXPECT_EQ(member("stored"), "null");
 }
 
+TEST(CommandRules, WhatHasBeenSlicedGoesBackToItsSettingsWhileItsScanIsThere) {
+  PrinterRecord record;
+  record.state = PrintState::kOffered;
+  record.waits = record.has_stick = true;
+  record.job.emplace();
+  record.job_id = 7;
+  EXPECT_FALSE(takes(record, Command::kSettings)) << "they are shown already";
+  record.sliced.emplace();
+  EXPECT_TRUE(takes(record, Command::kSettings));
+  EXPECT_TRUE(takes(record, Command::kSet));
+  EXPECT_TRUE(is_meant(record, Command::kSettings, 7)) << "the job's id";
+  EXPECT_FALSE(is_meant(record, Command::kSettings, 8));
+  EXPECT_FALSE(answers_question(record, Command::kSettings)) << "it starts nothing";
+  EXPECT_EQ(button_of(Command::kSettings), std::nullopt);
+  record.has_stick = false;
+  EXPECT_FALSE(takes(record, Command::kSettings));
+  EXPECT_TRUE(takes(record, Command::kSet)) << "exposures need no scan";
+  record.scans_uploaded = true;
+  record.scan_count = 1;
+  assign(record.scans[0].name, "a.ply");
+  record.scans[0].bytes = 20;
+  EXPECT_FALSE(takes(record, Command::kSettings));
+  record.stored.emplace().bytes = 20;
+  assign(record.stored->name, "a.ply");
+  EXPECT_TRUE(takes(record, Command::kSettings));
+  record.stored->bytes = 21;
+  EXPECT_FALSE(takes(record, Command::kSettings)) << "another one has been uploaded";
+  record.state = PrintState::kPrinting;
+  record.stored->bytes = 20;
+  EXPECT_FALSE(takes(record, Command::kSettings));
+}
+
 // A command that a state takes must be an event that this state knows, or nobody would carry it out.
 TEST(CommandRules, AnEventThatAStateTakesChangesIt) {
   PrinterRecord record;
