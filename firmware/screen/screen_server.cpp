@@ -29,6 +29,13 @@ std::optional<ScreenButton> button_of_event(EventKind kind) {
 /// By ScreenButton.
 constexpr std::array kEvents = {EventKind::kStartPressed, EventKind::kPausePressed, EventKind::kCancelPressed};
 
+/// @returns the event that a request has become. A value that the printer refuses stays as it was: the screen shows the record's
+std::optional<Event> ask(CommandTaker& taker, const ClientRequest& request, TimePoint at) {
+  const auto taken = taker.take(request);
+  if (!taken || !*taken) return std::nullopt;
+  return Event{at, **taken, true};
+}
+
 }  // namespace
 
 ScreenServer::ScreenServer(StatusScreen& screen, Language language)
@@ -99,26 +106,19 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
       request.folder = view_.row == ListRow::kUp ? 0 : static_cast<std::uint32_t>(view_.folder) + 1;
       view_.row = ListRow::kScan;
       view_.folder = 0;
-      const auto taken = taker.take(request);
-      if (taken && *taken) return Event{at, **taken, true};
-      break;
+      return ask(taker, request, at);
     }
     case ButtonAct::kOpenSettings: view_.settings_open = true; break;
     case ButtonAct::kCloseSettings: view_.settings_open = false; break;
     case ButtonAct::kNextSetting: view_.setting = (view_.setting + 1) % setting_rows(record); break;
-    case ButtonAct::kChangeSetting:
-      // A value that the printer refuses stays as it was: the screen shows the record's.
-      static_cast<void>(taker.take(next_value(view_.setting, record, *record.job)));
-      break;
+    case ButtonAct::kChangeSetting: return ask(taker, next_value(view_.setting, record, *record.job), at);
     case ButtonAct::kOpenProposals: {
       view_.proposals_open = true;
       view_.proposal = record.proposal().value_or(1);
       if (record.proposals) break;
       ClientRequest request;
       request.command = Command::kPropose;
-      const auto taken = taker.take(request);
-      if (taken && *taken) return Event{at, **taken, true};
-      break;
+      return ask(taker, request, at);
     }
     case ButtonAct::kNextProposal: view_.proposal = (view_.proposal + 1) % kProposalCount; break;
     case ButtonAct::kTakeProposal: {
@@ -133,12 +133,20 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
     case ButtonAct::kCloseProposals: view_.proposals_open = false; break;
     case ButtonAct::kMoreFindings: ++view_.finding; break;
     case ButtonAct::kOpenContract: view_.contract_open = true; break;
+    case ButtonAct::kGoBack: {
+      ClientRequest request;
+      request.command = Command::kSettings;
+      view_.contract_open = false;
+      view_.row = ListRow::kSettings;
+      view_.settings_open = true;
+      return ask(taker, request, at);
+    }
     case ButtonAct::kRaiseValue:
     case ButtonAct::kLowerValue:
-      static_cast<void>(taker.take(changed_value(view_.value, *record.sliced, act == ButtonAct::kRaiseValue)));
-      break;
+      // Another exposure may need other layers: then the question is over.
+      return ask(taker, changed_value(view_.value - 1, *record.sliced, act == ButtonAct::kRaiseValue), at);
     case ButtonAct::kNextValue:
-      view_.contract_open = view_.value + 1 < kPrintKeyCount;
+      view_.contract_open = view_.value + 1 < kContractRows;
       view_.value = view_.contract_open ? view_.value + 1 : 0;
       view_.finding = 0;
       break;
@@ -156,9 +164,7 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
       ClientRequest request;
       request.command = Command::kRemove;
       request.name.add("%s", record.stored->name.c_str());
-      const auto taken = taker.take(request);
-      if (taken && *taken) return Event{at, **taken, true};
-      break;
+      return ask(taker, request, at);
     }
     case ButtonAct::kKeep: view_.asks_to_cancel = view_.asks_to_remove = false; break;
     case ButtonAct::kOpenPrints: view_.prints_open = true; break;

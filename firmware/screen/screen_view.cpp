@@ -1,5 +1,7 @@
 #include "firmware/screen/screen_view.hpp"
 
+#include <algorithm>
+
 #include "firmware/screen/screen_kind.hpp"
 #include "firmware/screen/setting_rows.hpp"
 
@@ -43,9 +45,11 @@ Uses uses_on_scans(const PrinterRecord& record, const ScreenView& view) {
 
 /// Goes through the values, and back behind the last one.
 Uses uses_on_contract(const ScreenView& view) {
-  const bool last = view.value + 1 == kPrintKeyCount;
+  const bool last = view.value + 1 == kContractRows;
   Uses uses = {std::nullopt, std::nullopt, ButtonUse{last ? Words::kDoBack : Words::kDoNext, ButtonAct::kNextValue}};
-  if (kPrintFields[view.value].can_be_changed()) {
+  if (view.value == 0) {
+    uses[0] = ButtonUse{Words::kDoOpen, ButtonAct::kGoBack};
+  } else if (kPrintFields[view.value - 1].can_be_changed()) {
     uses[0] = ButtonUse{Words::kDoRaise, ButtonAct::kRaiseValue};
     uses[1] = ButtonUse{Words::kDoLower, ButtonAct::kLowerValue};
   }
@@ -58,6 +62,8 @@ bool has_light_card(ScreenKind kind) { return kind == ScreenKind::kIdle || kind 
 constexpr ButtonUse kOpenCard{Words::kDoLights, ButtonAct::kOpenLights};
 
 }  // namespace
+
+std::size_t first_contract_row(const PrinterRecord& record) { return takes(record, Command::kSettings) ? 0 : 1; }
 
 std::size_t rows_of(ListRow row, const PrinterRecord& record) {
   switch (row) {
@@ -114,7 +120,7 @@ Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
       give(kStart, Command::kStart, Words::kDoPrint);
       if (view.contract_open) return uses_on_contract(view);
       uses[1] = view.finding + 1 < record.finding_count ? ButtonUse{Words::kDoMore, ButtonAct::kMoreFindings}
-                                                        : ButtonUse{Words::kDoValues, ButtonAct::kOpenContract};
+                                                        : ButtonUse{Words::kDoChange, ButtonAct::kOpenContract};
       give(kCancel, Command::kCancel, Words::kDoDecline);
       break;
     case ScreenKind::kSlicing: give(kCancel, Command::kCancel, Words::kDoStop); break;
@@ -157,7 +163,7 @@ ScreenView still_open(const PrinterRecord& record, ScreenView view) {
   view.asks_to_remove = view.asks_to_remove && view.row == ListRow::kRemove;
   if (!view.settings_open || !record.job || view.setting >= setting_rows(record)) view.setting = 0;
   view.contract_open = view.contract_open && kind == ScreenKind::kPreview;
-  if (!view.contract_open) view.value = 0;
+  view.value = view.contract_open ? std::max(view.value, first_contract_row(record)) : 0;
   if (kind != ScreenKind::kPreview || view.finding >= record.finding_count) view.finding = 0;
   view.prints_open = view.prints_open && kind == ScreenKind::kIdle && kept_prints(record) > 0;
   if (!view.prints_open || view.print >= kept_prints(record)) view.print = 0;

@@ -36,7 +36,7 @@ struct ScreenView {
   bool asks_to_remove = false;
   std::size_t finding = 0;  ///< the first one shown
   bool contract_open = false;
-  std::size_t value = 0;     ///< the row at hand: a PrintKey
+  std::size_t value = 0;     ///< the row at hand: see first_contract_row()
   bool prints_open = false;  ///< the last prints
   std::size_t print = 0;     ///< the row at hand
   bool lights_open = false;  ///< the card of lights and buzzer
@@ -60,6 +60,7 @@ enum class ButtonAct : std::uint8_t {
   kCloseProposals,
   kMoreFindings,
   kOpenContract,
+  kGoBack,  ///< from what has been sliced to its settings
   kRaiseValue,
   kLowerValue,
   kNextValue,
@@ -79,6 +80,11 @@ struct ButtonUse {
   Words label;
   ButtonAct act = ButtonAct::kCommand;
 };
+
+/// Rows of the contract: 0 goes back to the settings, row k + 1 is the value of PrintKey k.
+inline constexpr std::size_t kContractRows = kPrintKeyCount + 1;
+/// 1: nobody can go back, since the scan is no longer there.
+std::size_t first_contract_row(const PrinterRecord& record);
 
 /// How many rows of a kind the list of scans has.
 std::size_t rows_of(ListRow row, const PrinterRecord& record);

@@ -280,13 +280,19 @@ void draw_contract(const Sheet& sheet) {
   const Contract& contract = *sheet.record.sliced;
   const PixelBox body = sheet.body();
   const int height = row_height(sheet);
-  const ListPart part = shown_part(body.height, height, kPrintKeyCount, sheet.view.value);
+  const std::size_t first = first_contract_row(sheet.record);
+  const ListPart part = shown_part(body.height, height, kContractRows - first, sheet.view.value - first);
   for (std::size_t i = 0; i < part.count; ++i) {
-    const PrintField& field = kPrintFields[part.first + i];
+    const std::size_t row = first + part.first + i;
+    const PixelBox box{body.x, body.y + static_cast<int>(i) * height, body.width, height};
+    const PixelBox room = draw_row(sheet, box, row == sheet.view.value);
+    if (row == 0) {
+      sheet.page.line(room, sheet.say(Words::kSettings), sheet.bold());
+      continue;
+    }
+    const PrintField& field = kPrintFields[row - 1];
     const ValueSource source = contract.sources[index_of(field.key)];
     const double value = value_of(contract.plan, field.key);
-    const PixelBox box{body.x, body.y + static_cast<int>(i) * height, body.width, height};
-    const PixelBox room = draw_row(sheet, box, part.first + i == sheet.view.value);
     int digits = 0;
     for (double scaled = value; digits < 3 && std::abs(scaled - std::round(scaled)) > 1e-6; scaled *= 10) ++digits;
     const auto said = source_words(kSourceWords[static_cast<std::size_t>(source)], sheet.language);

@@ -50,6 +50,10 @@ class TestTaker final : public CommandTaker {
       record_.stored.reset();
       return kCancelPressed;
     }
+    if (request.command == Command::kSettings) {
+      taken.push_back("settings");
+      return kCancelPressed;
+    }
     if (request.command == Command::kPropose) {
       taken.push_back("propose");
       return kStartPressed;
@@ -63,10 +67,12 @@ class TestTaker final : public CommandTaker {
       record_.job->chosen = request.scan - 1;
     } else {
       taken.push_back("set " + std::string(request.key.view()) + "=" + std::string(request.value.view()));
+      if (slices_again) return kCancelPressed;
     }
     return std::nullopt;
   }
   std::vector<std::string> taken;
+  bool slices_again = false;  ///< with each value
 
  private:
   PrinterRecord& record_;
@@ -239,6 +245,47 @@ TEST(ScreenServer, AsksBeforeItDeletesAnUploadedScan) {
   rig.server.show(*rig.record, 1h);
   EXPECT_EQ(rig.server.view().row, ListRow::kScan);
   EXPECT_FALSE(rig.server.view().asks_to_remove);
+}
+
+TEST(ScreenServer, GoesBackFromWhatHasBeenSlicedToItsSettings) {
+  Rig rig(kOffered);
+  rig.record->scan_count = 1;
+  rig.record->sliced = a_sliced_job();
+  EXPECT_FALSE(rig.press(kPausePressed));
+  ASSERT_TRUE(rig.server.view().contract_open);
+  const auto passed = rig.server.filter({TimePoint(), kStartPressed}, *rig.record, rig.taker);
+  ASSERT_TRUE(passed) << "the question is over";
+  EXPECT_TRUE(passed->kind == kCancelPressed && passed->named) << "also within a second of it";
+  EXPECT_THAT(rig.taker.taken, ElementsAre("settings"));
+  rig.record->sliced.reset();
+  rig.server.show(*rig.record, 1h);
+  EXPECT_TRUE(rig.server.view().settings_open);
+  // A value with which it is sliced again ends the question, too.
+  rig.record->sliced = a_sliced_job();
+  rig.server.show(*rig.record, 1h);
+  EXPECT_FALSE(rig.press(kPausePressed));
+  for (std::size_t row = 0; row <= index_of(PrintKey::kExposureTime); ++row) EXPECT_FALSE(rig.press(kCancelPressed));
+  rig.taker.slices_again = true;
+  const auto again = rig.server.filter({TimePoint(), kStartPressed}, *rig.record, rig.taker);
+  EXPECT_TRUE(again && again->kind == kCancelPressed && again->named);
+  EXPECT_THAT(rig.taker.taken.back(), testing::StartsWith("set exposure_time="));
+  rig.record->state = kSlicing;
+  rig.server.show(*rig.record, 1h);
+  rig.record->state = kOffered;
+  rig.taker.taken.clear();
+  // Without its scan there are only the values.
+  rig.record->sliced = a_sliced_job();
+  rig.record->has_stick = false;
+  rig.server.show(*rig.record, 1h);
+  EXPECT_FALSE(rig.press(kPausePressed));
+  ASSERT_TRUE(rig.server.view().contract_open);
+  EXPECT_FALSE(rig.press(kStartPressed));
+  for (std::size_t row = 1; row < kContractRows; ++row) {
+    EXPECT_EQ(rig.server.view().value, row);
+    EXPECT_FALSE(rig.press(kCancelPressed));
+  }
+  EXPECT_FALSE(rig.server.view().contract_open);
+  EXPECT_THAT(rig.taker.taken, ElementsAre());
 }
 
 TEST(ScreenServer, ChangesEachSettingByOneButton) {

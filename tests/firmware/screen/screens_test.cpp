@@ -197,8 +197,13 @@ std::vector<ScreenCase> golden_cases() {
                         [](auto& record, auto& view) {
                           record.sliced = a_sliced_job();
                           view.contract_open = true;
-                          view.value = index_of(PrintKey::kExposureTime);
+                          view.value = index_of(PrintKey::kExposureTime) + 1;
                         })},
+      {"contract-settings", with(kOffered,
+                                 [](auto& record, auto& view) {
+                                   record.sliced = a_sliced_job();
+                                   view.contract_open = true;
+                                 })},
       {"checks", with(kChecks, [=](auto& record, auto&) { some_checks(record, 7); })},
       {"homing", with(kHoming, [=](auto& record, auto&) { some_checks(record, 10); })},
       {"printing", with(kPrinting)},
