@@ -1,7 +1,9 @@
 #pragma once
 /// Spans of columns of a BitImage, 64 pixels at once.
 
+#include <bit>
 #include <cstdint>
+#include <span>
 
 #include "slicer/core/bit_image.hpp"
 
@@ -24,6 +26,27 @@ void for_each_word(std::uint32_t begin, std::uint32_t end, Visit visit) {
 inline void fill(BitImage image, std::uint32_t row, std::uint32_t begin, std::uint32_t end, bool white) {
   const auto line = image.row(row);
   for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) { white ? line[w] |= bits : line[w] &= ~bits; });
+}
+
+/// Calls visit(begin, end) for each run of white pixels of a row, columns [begin, end).
+template <class Visit>
+void for_each_run(std::span<const std::uint64_t> line, Visit visit) {
+  std::uint32_t begin = 0;
+  bool open = false;
+  for (std::uint32_t w = 0; w < line.size(); ++w) {
+    std::uint64_t rest = open ? ~line[w] : line[w];
+    while (rest != 0) {
+      const auto at = static_cast<std::uint32_t>(std::countr_zero(rest));
+      if (open) {
+        visit(begin, w * 64 + at);
+      } else {
+        begin = w * 64 + at;
+      }
+      open = !open;
+      rest = (open ? ~line[w] : line[w]) & ~std::uint64_t{0} << at;
+    }
+  }
+  if (open) visit(begin, static_cast<std::uint32_t>(line.size() * 64));
 }
 
 }  // namespace plumbline::inline slicer
