@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "hal/lamp_map.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline::inline hal {
@@ -60,6 +61,7 @@ struct PanelLayout {
   /// Three neighbours of a row are red, green and blue of one pixel, as on a monochrome panel made from a colour one.
   bool rgb = false;
   GreyScale grey = {};
+  LampMap lamp = {};  ///< of the mask's rows and columns; needs grey.has_levels()
 
   /// Size of the video mode that the panel needs, pixels.
   std::uint32_t mode_width() const { return picture_width() / (rgb ? 3 : 1); }

@@ -22,6 +22,7 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   plant.panel.pitch_x_mm = board.pixel_pitch_x_mm;
   plant.panel.pitch_y_mm = board.pixel_pitch_y_mm;
   plant.panel.grey = machine.panel.grey;
+  plant.panel.lamp = machine.panel.lamp;
   plant.panel.settling = nanoseconds_of_ms(machine.refresh_delay_ms);
   const Distance end_stop = Distance::millimetres(machine.end_stop_height_mm);
   plant.stage.step = Distance::millimetres(machine.step_mm());
@@ -142,9 +143,14 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
   }
   std::vector<float> deviations_mm(std::span<const OrientedPoint> truth) const override {
     const PlantSettings& plant = plant_.settings();
-    return sim::deviations_mm(
-        plant_.part(),
-        {.resin = plant.resin, .pitch_x_mm = plant.panel.pitch_x_mm, .pitch_y_mm = plant.panel.pitch_y_mm}, truth);
+    const PanelModel::Build& panel = plant.panel;
+    DoseModel model{.resin = plant.resin, .pitch_x_mm = panel.pitch_x_mm, .pitch_y_mm = panel.pitch_y_mm};
+    if (panel.lamp.known()) {  // as uneven as its board file says
+      model.lamp = [&panel](double x_mm, double y_mm) {
+        return panel.lamp.at(x_mm / (panel.columns * panel.pitch_x_mm), y_mm / (panel.rows * panel.pitch_y_mm));
+      };
+    }
+    return sim::deviations_mm(plant_.part(), model, truth);
   }
   Sight panel_from_above() override {
     const ConstBitImage mask = plant_.panel().visible();

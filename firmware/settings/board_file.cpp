@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "firmware/settings/setting_words.hpp"
 #include "firmware/settings/settings_folders.hpp"
 #include "firmware/settings/wiring_file.hpp"
 #include "slicer/core/print_grid.hpp"
@@ -49,6 +50,7 @@ std::vector<SettingRule> board_rules(BoardFile& board, MachineFile& machine) {
       {"panel", "grey_levels", &machine.panel.grey.levels, 2, 256, "", Presence::kOptional},
       {"panel", "grey_gamma", &machine.panel.grey.gamma, 0.2, 5, "", Presence::kOptional},
       {"panel", "grey_exposures", &machine.panel.grey.exposures, 0, GreyScale::kMostExposures, "", Presence::kOptional},
+      {"panel", "lamp_map", &machine.panel.lamp, 0.001, 1e6, "", Presence::kOptional},
       {"z_stage", "travel_mm", &board.travel_mm, 1, 2000, " mm"},
       {"z_stage", "rotation_distance_mm", &machine.rotation_distance_mm, 0.1, 100, " mm", kMachine},
       {"z_stage", "full_steps_per_rotation", &machine.full_steps_per_rotation, 20, 1000, " steps", kMachine},
@@ -82,6 +84,15 @@ std::string check_board_key(const SettingRule& rule, const BoardFile& board, Mac
   machine.panel.rows = board.rows;
   if (rule.key == "grey_exposures" && machine.panel.grey.exposures > 0 && machine.panel.grey.has_levels()) {
     return "allowed is 0 with grey_levels above 2: the panel shows grey itself, in one exposure";
+  }
+  if (rule.key == "lamp_map" && machine.panel.lamp.known()) {
+    if (!machine.panel.grey.has_levels()) {
+      return "allowed is none with grey_levels = 2: a panel that shows black and white can't dim a place. Leave it out";
+    }
+    if (const double spread = machine.panel.lamp.spread(); spread > LampMap::kMostSpread) {
+      return "whose brightest place is " + number(spread) +
+             " times the darkest, allowed are 2 times: repair the lamp, or measure again";
+    }
   }
   if (rule.key == "lamp_resume_c" && machine.lamp_resume_c >= machine.lamp_max_c) {
     return "allowed is less than lamp_max_c";

@@ -41,6 +41,9 @@ std::string allowed(const SettingRule& rule) {
     std::string operator()(const PlaceListSetting& places) const {
       return "an array of up to 32 " + std::string(places.field->allowed);
     }
+    std::string operator()(const LampMap*) const {
+      return "an array of 1 to 16 rows, each an array of as many numbers, 1 to 16, from " + range;
+    }
     std::string operator()(const NumberOrWord& either) const {
       return "a number from " + range + rule.unit + ", or the string \"" + std::string(either.word) + "\"";
     }

@@ -107,6 +107,28 @@ const toml::node* store_places(const PlaceListSetting& setting, const toml::node
   return nullptr;
 }
 
+/// An array of rows of as many numbers each.
+bool store_lamp_map(LampMap& map, const SettingRule& rule, const toml::node& node) {
+  const auto is_side = [](std::size_t count) { return count > 0 && count <= LampMap::kMostSide; };
+  const toml::array* const rows = node.as_array();
+  if (rows == nullptr || !is_side(rows->size())) return false;
+  LampMap read;
+  std::size_t next = 0;
+  for (const toml::node& row : *rows) {
+    const toml::array* const numbers = row.as_array();
+    if (numbers == nullptr || !is_side(numbers->size())) return false;
+    if (read.rows++ == 0) read.columns = static_cast<std::uint32_t>(numbers->size());
+    if (numbers->size() != read.columns) return false;
+    for (const toml::node& one : *numbers) {
+      const double light = one.is_number() ? one.value_or(kNoNumber) : kNoNumber;
+      if (!(light >= rule.low && light <= rule.high)) return false;  // NaN is not
+      read.light[next++] = light;
+    }
+  }
+  map = read;
+  return true;
+}
+
 /// @returns false and stores nothing if the rule does not allow the value
 bool store(const SettingRule& rule, const toml::node& node) {
   struct Store {
@@ -142,6 +164,7 @@ bool store(const SettingRule& rule, const toml::node& node) {
     bool operator()(std::optional<double>* real) const { return (*this)(&real->emplace()); }
     bool operator()(std::optional<bool>* truth) const { return (*this)(&truth->emplace()); }
     bool operator()(const PlaceListSetting& places) const { return store_places(places, node) == nullptr; }
+    bool operator()(LampMap* map) const { return store_lamp_map(*map, rule, node); }
     bool operator()(const ChoiceSetting& choice) const {
       const auto value = node.value_exact<std::string_view>();
       const auto word = std::find(choice.words.begin(), choice.words.end(), value.value_or(""));

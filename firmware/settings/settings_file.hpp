@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "hal/lamp_map.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/supports/support_settings.hpp"
 
@@ -80,7 +81,7 @@ struct SettingRule {
   std::string_view table;
   std::string_view key;
   std::variant<TextSetting, PathListSetting, std::uint32_t*, double*, bool*, ChoiceSetting, NumberChoiceSetting,
-               std::optional<double>*, std::optional<bool>*, PlaceListSetting, NumberOrWord>
+               std::optional<double>*, std::optional<bool>*, PlaceListSetting, NumberOrWord, LampMap*>
       value;
   double low = 0;         ///< least number, or fewest characters of each text; unused for a choice
   double high = 0;        ///< greatest; both are allowed

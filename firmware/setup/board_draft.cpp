@@ -31,6 +31,14 @@ std::string shown(const SettingRule& rule) {
     std::string operator()(const std::optional<bool>* truth) const { return *truth ? (*this)(&**truth) : ""; }
     std::string operator()(const ChoiceSetting& choice) const { return std::string(choice.words[choice.load()]); }
     std::string operator()(const NumberChoiceSetting& choice) const { return std::to_string(*choice.value); }
+    std::string operator()(const LampMap* map) const {
+      std::string all;
+      for (std::size_t i = 0; i < map->all().size(); ++i) {
+        const bool begins_row = i % map->columns == 0;
+        all += (i == 0 ? "[[" : begins_row ? "], [" : ", ") + number(map->light[i]);
+      }
+      return all.empty() ? all : all + "]]";
+    }
     std::string operator()(const PlaceListSetting&) const { return ""; }  // no board has any, nor
     std::string operator()(const NumberOrWord&) const { return ""; }
   };

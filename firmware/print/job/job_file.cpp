@@ -143,6 +143,8 @@ std::uint64_t hash_of(const BoardFile& board) {
       number(m.panel.grey.gamma);
     }
     if (m.panel.grey.exposures > 0) number(m.panel.grey.exposures);
+    if (m.panel.lamp.known()) number(m.panel.lamp.columns);
+    for (const double light : m.panel.lamp.all()) number(light);
   }
   return hash.value();
 }

@@ -12,7 +12,8 @@ LinuxMaskDisplay::LinuxMaskDisplay(const PanelLayout& layout, KmsPanel panel, st
       layout_(layout),
       panel_(std::move(panel)),
       settling_(settling),
-      values_(layout.grey.values()) {
+      values_(layout.grey.values()),
+      shares_(layout.lamp, layout.columns, layout.rows) {
   for (auto& words : words_) words.resize(BitImage::words_needed(layout.columns, layout.rows));
   if (!layout.grey.has_levels()) return;
   for (std::size_t i = 0; i < runs_.size(); ++i) {
@@ -34,8 +35,14 @@ Status LinuxMaskDisplay::flip_and_settle() {
 Status LinuxMaskDisplay::do_present() {
   const auto back = panel_.back();
   if (!back) return tl::unexpected<Error>(back.error());
-  pack_pixels(layout_, ConstBitImage(words_[lent_], layout_.columns, layout_.rows), *back, panel_.pitch());
-  pack_greys(layout_, greys_[lent_].runs(), values_, *back, panel_.pitch());
+  const ConstBitImage mask(words_[lent_], layout_.columns, layout_.rows);
+  const auto greys = greys_[lent_].runs();
+  pack_pixels(layout_, mask, *back, panel_.pitch());
+  if (shares_.known()) {
+    pack_evenly(layout_, mask, greys, shares_, values_, *back, panel_.pitch());
+  } else {
+    pack_greys(layout_, greys, values_, *back, panel_.pitch());
+  }
   lent_ = 1 - lent_;
   return flip_and_settle();
 }

@@ -31,6 +31,7 @@ class LinuxMaskDisplay final : public MaskDisplay {
   std::array<std::vector<GreyRun>, 2> runs_;
   std::array<GreyRuns, 2> greys_;
   GreyScale::Values values_;
+  LampShares shares_;
   std::size_t lent_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <tuple>
 
 namespace plumbline::inline hal::inline linux_board {
 namespace {
@@ -79,25 +80,63 @@ void pack_pixels(const PanelLayout& layout, ConstBitImage mask, std::span<std::u
   }
 }
 
-void pack_greys(const PanelLayout& layout, std::span<const GreyRun> runs, const GreyScale::Values& values,
-                std::span<std::uint32_t> pixels, std::size_t pitch) {
-  const auto bytes = std::as_writable_bytes(pixels);
-  // Of the next pixel of a row of the mask.
-  const auto origin = layout.sent({0, 0}), right = layout.sent({1, 0});
-  const std::uint32_t step_x = right.column - origin.column, step_y = right.row - origin.row;  // 0, 1 or ~0
-  for (const GreyRun& run : runs) {
-    const std::uint32_t column = run.pixel % layout.columns, row = run.pixel / layout.columns;
-    auto to = layout.sent({column, row});
-    const auto of_row = std::span(values[run.level]).subspan(4 * (row % 4), 4);
+namespace {
+
+/// Where the pixels of a mask's runs are in display memory.
+class RunWriter {
+ public:
+  RunWriter(const PanelLayout& layout, std::span<std::uint32_t> pixels, std::size_t pitch)
+      : layout_(layout), pixels_(pixels), bytes_(std::as_writable_bytes(pixels)), pitch_(pitch) {
+    const auto origin = layout.sent({0, 0}), right = layout.sent({1, 0});
+    step_x_ = right.column - origin.column;
+    step_y_ = right.row - origin.row;
+  }
+  /// @param value_at  called with each column of the run, ascending
+  template <class ValueAt>
+  void write(const GreyRun& run, ValueAt value_at) const {
+    const std::uint32_t column = run.pixel % layout_.columns, row = run.pixel / layout_.columns;
+    auto to = layout_.sent({column, row});
+    // Copies: display memory could be where members are, for all the compiler knows.
+    const auto [pixels, bytes, pitch, rgb, step_x, step_y] =
+        std::tuple(pixels_, bytes_, pitch_, layout_.rgb, step_x_, step_y_);
     for (std::uint32_t i = 0; i < run.count; ++i, to.column += step_x, to.row += step_y) {
-      const std::uint32_t value = of_row[(column + i) % 4];
-      if (layout.rgb) {  // little endian: blue, green, red
+      const std::uint32_t value = value_at(column + i);
+      if (rgb) {  // little endian: blue, green, red
         bytes[4 * (to.row * pitch + to.column / 3) + 2 - to.column % 3] = static_cast<std::byte>(value);
       } else {
         pixels[to.row * pitch + to.column] = value * 0x010101U;
       }
     }
   }
+
+ private:
+  const PanelLayout& layout_;
+  std::span<std::uint32_t> pixels_;
+  std::span<std::byte> bytes_;
+  std::size_t pitch_;
+  std::uint32_t step_x_, step_y_;  ///< to the next pixel of a row of the mask: 0, 1 or ~0
+};
+
+}  // namespace
+
+void pack_greys(const PanelLayout& layout, std::span<const GreyRun> runs, const GreyScale::Values& values,
+                std::span<std::uint32_t> pixels, std::size_t pitch) {
+  const RunWriter writer(layout, pixels, pitch);
+  for (const GreyRun& run : runs) {
+    const auto of_row = std::span(values[run.level]).subspan(4 * (run.pixel / layout.columns % 4), 4);
+    writer.write(run, [of_row](std::uint32_t column) { return of_row[column % 4]; });
+  }
+}
+
+void pack_evenly(const PanelLayout& layout, ConstBitImage mask, std::span<const GreyRun> runs, const LampShares& shares,
+                 const GreyScale::Values& values, std::span<std::uint32_t> pixels, std::size_t pitch) {
+  const RunWriter writer(layout, pixels, pitch);
+  for_each_lit_run(mask, runs, shares, [&](const GreyRun& run, LampShares::Row& row) {
+    const std::uint32_t of_row = 4 * (run.pixel / layout.columns % 4);
+    writer.write(run, [&](std::uint32_t column) {
+      return values[LampShares::scaled(run.level, row.next())][of_row + column % 4];
+    });
+  });
 }
 
 }  // namespace plumbline::inline hal::inline linux_board

@@ -26,4 +26,10 @@ void pack_pixels(const PanelLayout& layout, ConstBitImage mask, std::span<std::u
 void pack_greys(const PanelLayout& layout, std::span<const GreyRun> runs, const GreyScale::Values& values,
                 std::span<std::uint32_t> pixels, std::size_t pitch);
 
+/// Writes all pixels that get light over those of pack_pixels(), dimmed where the lamp is brighter than at its darkest place. Instead of
+/// pack_greys().
+/// @param shares  known()
+void pack_evenly(const PanelLayout& layout, ConstBitImage mask, std::span<const GreyRun> runs, const LampShares& shares,
+                 const GreyScale::Values& values, std::span<std::uint32_t> pixels, std::size_t pitch);
+
 }  // namespace plumbline::inline hal::inline linux_board

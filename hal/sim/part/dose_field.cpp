@@ -158,11 +158,12 @@ double DoseField::at(double x_mm, double y_mm, double z_mm) const {
     if (++layer == layers_.end() || layer->z_mm - z_mm > reach_mm_) break;
     left *= layer->fade;
   }
-  return combined(largest, sum);
+  return model_.lamp_at(x_mm, y_mm) * combined(largest, sum);
 }
 
 std::vector<double> DoseField::cured_depths(std::uint32_t column, std::uint32_t row) const {
   const Weights across = weights(column + 0.5), along = weights(row + 0.5);
+  const double lamp = model_.lamp_at((column + 0.5) * model_.pitch_x_mm, (row + 0.5) * model_.pitch_y_mm);
   std::vector<double> depths;  // from the top
   double largest = 0, sum = 0;
   bool cured = false;
@@ -172,7 +173,7 @@ std::vector<double> DoseField::cured_depths(std::uint32_t column, std::uint32_t 
   };
   for (std::size_t i = layers_.size(); i-- > 0;) {
     const Layer& layer = layers_[i];
-    const double term = layer.dose * share(layer, across, along);
+    const double term = lamp * layer.dose * share(layer, across, along);
     largest = std::max(largest, term);
     sum += term;
     const double times = combined(largest, sum) / model_.resin.critical.value();

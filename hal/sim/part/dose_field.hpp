@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,9 @@ namespace plumbline::inline hal::inline sim {
 struct DoseModel {
   Resin resin;
   double pitch_x_mm = 0.05, pitch_y_mm = 0.05;  ///< of the panel's pixels
+  /// Of an uneven lamp: its light at a place in times that of the doses. Null: 1
+  std::function<double(double x_mm, double y_mm)> lamp = nullptr;
+  double lamp_at(double x_mm, double y_mm) const { return lamp ? lamp(x_mm, y_mm) : 1; }
 
   /// Beyond this depth the light of a layer is below kFaintest Ec, and is left out.
   double reach_mm(Dose dose) const;

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace plumbline::inline hal::inline sim {
 
 PanelModel::PanelModel(Timeline& timeline, const Build& build) : timeline_(timeline), build_(build) {
   for (auto& buffer : buffers_) buffer.resize(BitImage::words_needed(build.columns, build.rows), 0);
   if (!build.grey.has_levels()) return;
+  shares_ = LampShares(build.lamp, build.columns, build.rows);
   light_ = build.grey.values();
   for (auto& of_level : light_) {
     for (auto& value : of_level) value = static_cast<std::uint8_t>(std::lround(255 * build.grey.light(value)));
@@ -59,32 +61,44 @@ ConstBitImage PanelModel::visible() {
 }
 
 /// Adds what the panel makes of a run.
-void PanelModel::add_visible(const GreyRun& run) {
-  const std::uint32_t column = run.pixel % build_.columns, row = run.pixel / build_.columns;
-  const auto of_row = std::span(light_[run.level]).subspan(4 * (row % 4), 4);
-  std::uint32_t begin = 0;  // of the pixels of one light
-  for (std::uint32_t i = 1; i <= run.count; ++i) {
-    const std::uint8_t light = of_row[(column + begin) % 4];
-    if (i < run.count && of_row[(column + i) % 4] == light) continue;
-    visible_greys_.push_back({run.pixel + begin, static_cast<std::uint16_t>(i - begin), light});
-    begin = i;
+/// @param row  of the shares of an uneven lamp, at the run; null: all is let through
+void PanelModel::add_visible(const GreyRun& run, LampShares::Row* row) {
+  const std::uint32_t column = run.pixel % build_.columns;
+  const std::uint32_t pattern = 4 * (run.pixel / build_.columns % 4);
+  for (std::uint32_t i = 0; i < run.count; ++i) {
+    const std::uint8_t level = row != nullptr ? LampShares::scaled(run.level, row->next()) : run.level;
+    const std::uint8_t light = light_[level][pattern + (column + i) % 4];
+    if (level == kFullLevel) continue;  // white
+    if (i > 0 && !visible_greys_.empty() && visible_greys_.back().end() == run.pixel + i &&
+        visible_greys_.back().level == light) {
+      ++visible_greys_.back().count;
+    } else {
+      visible_greys_.push_back({run.pixel + i, 1, light});
+    }
   }
 }
 
 std::span<const GreyRun> PanelModel::visible_greys() {
   const std::uint32_t pixels = build_.columns * build_.rows, half = build_.columns * (build_.rows / 2);
   visible_greys_.clear();
-  const auto add = [&](std::size_t which, std::uint32_t begin, std::uint32_t end) {
-    for (const GreyRun& run : greys_[which].runs()) {
-      if (run.pixel >= begin && run.pixel < end) add_visible(run);
-    }
+  sent_.clear();
+  const auto send = [&](std::size_t which, std::uint32_t begin, std::uint32_t end) {
+    std::ranges::copy_if(greys_[which].runs(), std::back_inserter(sent_),
+                         [&](const GreyRun& run) { return run.pixel >= begin && run.pixel < end; });
   };
   if (!shows_two()) {
-    if (!black_) add(shown_, 0, pixels);
-    return visible_greys_;
+    if (black_) return {};
+    send(shown_, 0, pixels);
+  } else {
+    if (!black_) send(shown_, 0, half);
+    if (!was_black_) send(black_ ? shown_ : 1 - shown_, half, pixels);
   }
-  if (!black_) add(shown_, 0, half);
-  if (!was_black_) add(black_ ? shown_ : 1 - shown_, half, pixels);
+  if (shares_.known()) {
+    for_each_lit_run(visible(), sent_, shares_,
+                     [this](const GreyRun& run, LampShares::Row& row) { add_visible(run, &row); });
+  } else {
+    for (const GreyRun& run : sent_) add_visible(run, nullptr);
+  }
   return visible_greys_;
 }
 

@@ -22,6 +22,7 @@ class PanelModel {
     double pitch_x_mm = 0.04725;
     double pitch_y_mm = 0.04725;
     GreyScale grey;
+    LampMap lamp;                           ///< that its driver evens out; needs grey.has_levels()
     nanoseconds frame{16'666'667};          ///< 60 Hz
     nanoseconds settling{20'000'000};       ///< from the end of the scan-out until the liquid crystals have settled
     nanoseconds flip_timeout{500'000'000};  ///< time limit of present()
@@ -58,7 +59,7 @@ class PanelModel {
 
  private:
   BitImage image(std::size_t which) { return {buffers_[which], build_.columns, build_.rows}; }
-  void add_visible(const GreyRun& run);
+  void add_visible(const GreyRun& run, LampShares::Row* row);
   /// Whether the upper half shows one mask and the lower another.
   bool shows_two() const { return changing_ || (!matches_mask_ && torn); }
 
@@ -68,8 +69,9 @@ class PanelModel {
   std::array<std::vector<GreyRun>, 2> runs_;
   std::array<GreyRuns, 2> greys_;
   GreyScale::Values light_{};  ///< as GreyScale::values()
+  LampShares shares_;
   std::vector<std::uint64_t> torn_;
-  std::vector<GreyRun> visible_greys_;
+  std::vector<GreyRun> sent_, visible_greys_;
   std::size_t shown_ = 0;
   bool black_ = true;
   bool was_black_ = true;

@@ -137,7 +137,7 @@ TEST(BoardFile, RefusesAnUnknownKeyAndNamesTheNearest) {
   EXPECT_EQ(refusal(good_with("columns = 1440", "colums = 1440")),
             "b.toml:4: [panel] colums: unknown key; the nearest known one is columns. Allowed are columns, rows, "
             "pixel_pitch_x_mm, pixel_pitch_y_mm, packing, mirror, rotation_deg, refresh_delay_ms, grey_levels, "
-            "grey_gamma, grey_exposures");
+            "grey_gamma, grey_exposures, lamp_map");
   EXPECT_THAT(refusal(good_with("pixel_pitch_y_mm", "pixel_pitch_mm_y")), HasSubstr("is pixel_pitch_"));
   EXPECT_THAT(refusal(good_with("rows = 2560", "rows = 2560\nflip = true")),
               StartsWith("b.toml:6: [panel] flip: unknown key;"));
@@ -252,6 +252,33 @@ TEST(BoardFile, ShowsGreyByExposuresOnAPanelOfBlackAndWhiteOnly) {
   EXPECT_THAT(refusal(text_of("4", "3")),
               HasSubstr("[panel] grey_exposures: found an integer 3, allowed is 0 with grey_levels above 2"));
   EXPECT_THAT(refusal(text_of("2", "5")), HasSubstr("found an integer 5, allowed"));
+}
+
+TEST(BoardFile, HasALampMapOfAPanelThatShowsGrey) {
+  const auto with = [](const std::string& map, const std::string& levels = "256") {
+    return sim2k_with("grey_levels = 256", "lamp_map = " + map + "\ngrey_levels = " + levels);
+  };
+  EXPECT_FALSE(parse_board_file(with("[[1]]"), "b.toml")->machine->panel.lamp.spread() > 1);
+  const auto board = parse_board_file(with("[[3, 3.3, 4],\n [2.5, 3, 3.5]]"), "b.toml");
+  ASSERT_TRUE(board) << board.error().message();
+  const LampMap& map = board->machine->panel.lamp;
+  EXPECT_EQ(map.columns, 3U);
+  EXPECT_EQ(map.rows, 2U);
+  EXPECT_THAT(map.all(), testing::ElementsAre(3, 3.3, 4, 2.5, 3, 3.5));
+  std::string row = "[1", rows;
+  for (int i = 1; i < 16; ++i) row += ", 1";
+  row += "]";
+  for (int i = 0; i < 16; ++i) rows += (i == 0 ? "[" : ", ") + row;
+  EXPECT_TRUE(parse_board_file(with(rows + "]"), "b.toml"));
+  for (const std::string& wrong : std::vector<std::string>{
+           "[]", "[[]]", "3", "[1, 2]", "[[1, 2], [1]]", "[[1], [1, 2]]", "[[0]]", "[[-1]]", "[[nan]]", "[[inf]]",
+           "[[\"1\"]]", rows + ", " + row + "]", "[" + row.substr(0, 47) + ", 1]]"}) {
+    EXPECT_THAT(refusal(with(wrong)), HasSubstr("[panel] lamp_map: found ")) << wrong;
+    EXPECT_THAT(refusal(with(wrong)), HasSubstr("allowed is an array of 1 to 16 rows, each an array of as many"));
+  }
+  EXPECT_THAT(refusal(with("[[1, 2.5]]")),
+              HasSubstr("lamp_map: found an array, whose brightest place is 2.5 times the"));
+  EXPECT_THAT(refusal(with("[[1, 1.2]]", "2")), HasSubstr("allowed is none with grey_levels = 2: a panel that shows"));
 }
 
 TEST(BoardFile, RefusesWordsAndNumbersThatAreNotAChoice) {

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <fstream>
 #include <map>
 #include <random>
 
@@ -495,6 +496,18 @@ TEST_F(SetUp, AsksForLanguagePageScreenAndStartAndWritesWhatWasSaid) {
   EXPECT_EQ(found->machine->page, PageChoice::kNetwork);
   EXPECT_EQ(found->machine->start, StartChoice::kAfterPreview);
   EXPECT_EQ(found->machine->wiring.screen.columns, 800U);
+}
+
+TEST_F(SetUp, KeepsALampMapOnTheWayThroughItsText) {
+  const std::string path = testing::TempDir() + "sim2k.toml";
+  auto text = read_settings_text(kBoards + "sim2k.toml", "a board file").value();
+  std::ofstream(path) << text.replace(text.find("grey_levels"), 0, "lamp_map = [[3, 3.25, 3.5], [3.1, 3.4, 3]]\n");
+  const auto draft = BoardDraft::like(path);
+  ASSERT_TRUE(draft) << draft.error().message();
+  EXPECT_THAT(draft->text(), HasSubstr("\nlamp_map = [[3, 3.25, 3.5], [3.1, 3.4, 3]] # as sim2k\n"));
+  const auto again = draft->board();
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_THAT(again->machine->panel.lamp.all(), testing::ElementsAre(3, 3.25, 3.5, 3.1, 3.4, 3));
 }
 
 TEST_F(SetUp, KeepsEveryBoardFileOnTheWayThroughItsText) {

@@ -208,6 +208,7 @@ TEST(BoardHash, ChangesWithMasksAndHeightsAndNotWithComments) {
                                  {"rotation_distance_mm = 4.0", "rotation_distance_mm = 8.0"},
                                  {"grey_levels = 256", "grey_levels = 2"},
                                  {"grey_gamma = 1.0", "grey_gamma = 2.2"},
+                                 {"grey_gamma = 1.0", "lamp_map = [[1, 1.1]]"},
                                  {"end_stop_height_mm = 175.0", "end_stop_height_mm = 176.0"}}) {
     auto changed = text;
     changed.replace(changed.find(from), from.size(), to);

@@ -135,6 +135,53 @@ TEST(PanelLayout, PacksGreyPixelsOverThem) {
   }
 }
 
+TEST(PanelLayout, DimsEveryLitPixelByTheLampsMap) {
+  std::mt19937 random(5);
+  constexpr std::uint32_t kColumns = 66, kRows = 33;
+  std::vector<std::uint64_t> words(BitImage::words_needed(kColumns, kRows));
+  const BitImage mask(words, kColumns, kRows);
+  std::vector<GreyRun> greys;
+  std::vector<double> levels(std::size_t{kColumns} * kRows);
+  for (std::uint32_t i = 0; i < levels.size(); i += 3) {  // in one row: 66 is 3 x 22
+    const auto level = std::array<std::uint8_t, 4>{0, 90, 200, 255}[random() % 4];
+    std::fill_n(levels.begin() + i, 3, level);
+    if (is_grey(level)) greys.push_back({i, 3, level});
+    if (level >= kLeastCuringLevel) fill(mask, i / kColumns, i % kColumns, i % kColumns + 3, true);
+  }
+  LampMap map{.columns = 3, .rows = 2, .light = {3, 3.3, 3.6, 3.1, 3.5, 3.2}};
+  LampMap g = map;
+  for (double& light : g.light) light = light > 0 ? 3 / light : 0;
+  for (const std::uint32_t degrees : {0U, 90U, 180U, 270U}) {
+    for (const auto mirror : {PanelLayout::Mirror::kNone, PanelLayout::Mirror::kX, PanelLayout::Mirror::kY}) {
+      for (const bool rgb : {false, true}) {
+        PanelLayout layout{kColumns, kRows, degrees, mirror, rgb, GreyScale{256, 1}};
+        layout.lamp = map;
+        const std::size_t pitch = layout.mode_width() + 5;
+        const auto values = layout.grey.values();
+        std::vector<std::uint32_t> pixels(pitch * layout.mode_height()), even;
+        pack_pixels(layout, mask, pixels, pitch);
+        even = pixels;
+        pack_evenly(layout, mask, greys, LampShares(map, kColumns, kRows), values, pixels, pitch);
+        for (std::uint32_t i = 0; i < levels.size(); ++i) {
+          const std::uint32_t column = i % kColumns, row = i / kColumns;
+          const auto to = layout.sent({column, row});
+          const std::uint32_t word = pixels[to.row * pitch + to.column / (rgb ? 3 : 1)];
+          const std::uint32_t value = rgb ? word >> (16 - 8 * (to.column % 3)) & 0xFFU : word & 0xFFU;
+          const double share = g.at((column + 0.5) / kColumns, (row + 0.5) / kRows) * g.darkest();
+          ASSERT_NEAR(value, levels[i] * share, 0.51) << degrees << " degrees, rgb " << rgb << ", pixel " << i;
+          ASSERT_TRUE(rgb || word == value * 0x010101U);
+        }
+        LampMap flat = map;
+        std::ranges::fill(flat.light, 2.0);
+        std::vector<std::uint32_t> same = even;
+        pack_greys(layout, greys, values, even, pitch);
+        pack_evenly(layout, mask, greys, LampShares(flat, kColumns, kRows), values, same, pitch);
+        EXPECT_EQ(same, even) << "an even lamp";
+      }
+    }
+  }
+}
+
 TEST(GreyScale, GivesTheMeanLightThatIsAskedForByTheTwoValuesAroundIt) {
   for (const std::uint32_t levels : {2U, 3U, 4U, 8U, 16U, 64U, 255U, 256U}) {
     for (const double gamma : {0.45, 1.0, 2.2, 5.0}) {
