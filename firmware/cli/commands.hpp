@@ -11,6 +11,7 @@
 #include "firmware/machine/back_end.hpp"
 #include "firmware/messages/exit_code.hpp"
 #include "firmware/settings/check_policy.hpp"
+#include "firmware/settings/exposure_test.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_fields.hpp"
 #include "firmware/settings/support_choice.hpp"
@@ -68,14 +69,16 @@ struct PrintOptions {
   std::string report;        ///< file for the report as JSON; empty: none
   std::string issues;        ///< file for a picture of what the checks found; empty: none
   SimulationOptions simulation;
-  SupportChoice supports;  ///< overrides the profile's
-  CheckChoice checks;      ///< overrides the profile's
-  PrintValues set{};       ///< override the profile's and the archive's
+  ExposureTest exposure_test;  ///< instead of the profile's exposure
+  SupportChoice supports;      ///< overrides the profile's
+  CheckChoice checks;          ///< overrides the profile's
+  PrintValues set{};           ///< override the profile's and the archive's
 
   bool is_adaptive() const { return job.layer_height_mm && *job.layer_height_mm < 0; }
   PrintValues by_person() const {
     PrintValues all = set;
     if (job.layer_height_mm && *job.layer_height_mm > 0) all[index_of(PrintKey::kLayerHeight)] = job.layer_height_mm;
+    if (exposure_test.strips > 0) all[index_of(PrintKey::kExposureTime)] = exposure_test.longest();
     return all;
   }
 };

@@ -44,6 +44,7 @@ constexpr const char* kPrintFooter =
     "  plumbline print bust.stl --printer sim2k --truth bust.stl    and say how far it is off\n"
     "  plumbline print bust.sl1 --printer sim2k                     what another slicer has made for this panel\n"
     "  plumbline print bust.zip --printer sim2k --set exposure_time=3   with another exposure than it says\n"
+    "  plumbline print bars.stl --printer sim2k --exposure-test 1.6s,2s,2.4s   which of them the resin needs\n"
     "  plumbline print bust.ply --printer sim2k --fault temperature.lamp_hot@layer=40,for=5s   it waits and goes on\n"
     "  plumbline print bust.ply --printer sim2k --state job --fault power.cut@layer=40\n"
     "  plumbline print --resume --printer sim2k --state job         go on after the power cut\n"
@@ -111,6 +112,7 @@ Expected<Printer> read_printer(const PrintOptions& options) {
   PLUMBLINE_TRY(choose_grey(options.grey, printer.board, printer.machine, printer.profile));
   set_values(printer.profile, options.by_person(), ValueSource::kPerson);
   printer.profile.adaptive = options.is_adaptive();
+  printer.profile.exposure_test = options.exposure_test;
   return printer;
 }
 
@@ -430,6 +432,21 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
           "A value of this print instead of the profile's or the archive's, such as exposure_time=3; may be repeated")
       ->type_name("KEY=VALUE")
       ->take_all()
+      ->excludes(resume)
+      ->group(kPrint);
+  command
+      ->add_option_function<std::string>(
+          "--exposure-test",
+          [&options](const std::string& text) {
+            const auto test = parse_exposure_test(text);
+            if (!test) throw CLI::ValidationError("--exposure-test: " + std::string(test.error().message()));
+            options.exposure_test = *test;
+          },
+          "2 to 8 exposures instead of exposure_time, ascending, such as 1.6s,2s,2.4s: the object is divided along x "
+          "in "
+          "as many strips of equal width, the shortest first. Bottom layers are exposed as ever, faded ones as for the "
+          "longest")
+      ->type_name("TIMES")
       ->excludes(resume)
       ->group(kPrint);
   command->add_option("--report", options.report, "Write the report, with every exposure, as JSON")

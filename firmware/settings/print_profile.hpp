@@ -9,6 +9,7 @@
 
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/check_policy.hpp"
+#include "firmware/settings/exposure_test.hpp"
 #include "firmware/settings/print_fields.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/resin/peel_force.hpp"
@@ -45,6 +46,7 @@ struct PrintProfile {
   double initial_layer_height = 0;       ///< mm, of an archive's first layer; 0: as high as the others
   double exposure_time = 0;              ///< [print] s
   double initial_exposure_time = 0;      ///< [print] s, of the bottom layers
+  ExposureTest exposure_test;            ///< instead of exposure_time, which is the longest of it
   std::uint32_t bottom_layer_count = 0;  ///< [print] layers exposed for initial_exposure_time
   std::uint32_t faded_layers = 0;        ///< [print] layers after them, over which the exposure falls to exposure_time
   double delay_before_exposure = 0;      ///< [print] s, from the Z stage's stop to the light

@@ -77,6 +77,12 @@ double value_of(const PrintPlan& plan, PrintKey key) {
   return 0;
 }
 
+Status check_test(const PrintPlan& plan) {
+  if (plan.test.count == 0 || plan.grey_exposures == 0) return {};
+  return fail(ErrorCode::kBadSetting,
+              "an exposure test can't be done with the exposures of grey_exposures:\tprint without grey");
+}
+
 Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile& machine,
                                  const ContractSubject& subject) {
   const PrintGrid grid = machine_grid(subject.grid, subject.sizes.relative());
@@ -87,6 +93,13 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
     plan->grey = {};
     plan->grey_exposures = subject.grey > 0 ? machine.panel.grey.exposures : 0;
   }
+  PLUMBLINE_TRY(check_test(*plan));
+  if (subject.columns < plan->test.count) {
+    return fail(ErrorCode::kBadSetting, "an exposure test of %u strips needs as many pixels along x, the object has %u",
+                plan->test.count, subject.columns);
+  }
+  plan->test.begin = subject.left;
+  plan->test.end = subject.left + subject.columns;
   Contract contract;
   contract.plan = *plan;
   contract.sources = profile.sources;
@@ -106,7 +119,7 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
                       resin_ml(subject.first_layer_pixels, pitch_x, pitch_y, first_more);
   contract.time = std::chrono::duration_cast<std::chrono::seconds>(print_time(*plan));
   const Irradiance light(machine.power_mw_cm2);
-  contract.cure_depth = cure_depth(profile, light, plan->exposure);
+  contract.cure_depth = cure_depth(profile, light, plan->test.count > 0 ? plan->test.exposures[0] : plan->exposure);
   contract.first_cure_depth = cure_depth(profile, light, plan->initial_exposure);
   contract.is_archive = subject.is_archive;
   contract.kind = contract.plan.grey.is_known() ? shown_grey(profile, machine) : Grey::kOff;
@@ -127,6 +140,42 @@ Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile&
   return contract;
 }
 
+namespace {
+
+/// Edge of a strip, mm along x from where the object begins. @param strip  up to their number
+double strip_mm(const Contract& contract, std::uint32_t strip) {
+  return contract.width_mm * strip / contract.plan.test.count;
+}
+
+void write_test(JsonWriter& json, const Contract& contract) {
+  const TestStrips& test = contract.plan.test;
+  if (test.count == 0) return;
+  json.begin_array("exposure_test");
+  for (std::uint32_t c = 0; c < test.count; ++c) {
+    json.begin_object(kOneLine);
+    json.member("strip", c + 1);
+    json.member("from_mm", thousandths(strip_mm(contract, c)));
+    json.member("to_mm", thousandths(strip_mm(contract, c + 1)));
+    json.member("exposure_s", seconds_in(test.exposures[c]));
+    json.end_object();
+  }
+  json.end_array();
+}
+
+/// "test       strips along x, from where the object begins: 0.0 to 7.5 mm 1.6 s, 7.5 to 15.0 mm 2 s"
+FixedText<400> test_line(const Contract& contract) {
+  const TestStrips& test = contract.plan.test;
+  FixedText<400> text;
+  text.add("test       strips along x, from where the object begins:");
+  for (std::uint32_t c = 0; c < test.count; ++c) {
+    text.add("%s %.1f to %.1f mm %g s", c == 0 ? "" : ",", strip_mm(contract, c), strip_mm(contract, c + 1),
+             seconds_in(test.exposures[c]));
+  }
+  return text;
+}
+
+}  // namespace
+
 void write_contract(JsonWriter& json, const Contract& contract) {
   json.member("width_mm", thousandths(contract.width_mm));
   json.member("depth_mm", thousandths(contract.depth_mm));
@@ -139,6 +188,7 @@ void write_contract(JsonWriter& json, const Contract& contract) {
   json.member("grey_lost_percent", thousandths(100 * contract.grey_lost));
   json.member("shows_grey", contract.shows_grey);
   json.member("grey", kGreyWords[static_cast<std::size_t>(contract.kind)]);
+  write_test(json, contract);
   json.member("resin_ml", thousandths(contract.resin_ml));
   json.member("time_s", contract.time);
   constexpr double kDigits = 1e6;
@@ -253,6 +303,7 @@ void for_each_contract_line(const Contract& contract, const std::function<void(s
   say(size.view());
   if (!contract.plan.steps.all_one()) say(heights_line(contract.plan).view());
   if (contract.plan.grey_exposures > 0) say(grey_exposures_line(contract.plan).view());
+  if (contract.plan.test.count > 0) say(test_line(contract).view());
   if (contract.sizes.any()) say("corrected  " + std::string(contract.sizes.text().view()));
   const auto line = [&](const char* title, std::initializer_list<PrintKey> keys) {
     ValueList values(contract);

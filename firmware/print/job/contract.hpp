@@ -50,17 +50,21 @@ struct Contract {
   PointProof proof;                                   ///< of a scan
   double resin_ml = 0;
   std::chrono::seconds time{};
-  Distance cure_depth;        ///< at a normal layer's exposure
+  Distance cure_depth;        ///< at a normal layer's exposure, the shortest of a test
   Distance first_cure_depth;  ///< at the first layer's
 
   bool doubts_about(Doubt doubt) const { return (doubts >> static_cast<unsigned>(doubt) & 1U) != 0; }
 };
+
+/// @retval ErrorCode::kBadSetting  an exposure test on a panel that shows grey by several exposures
+[[nodiscard]] Status check_test(const PrintPlan& plan);
 
 /// What a contract is about, beside its profile.
 struct ContractSubject {
   PrintGrid grid;
   LayerSteps steps{};                    ///< heights of the print's layers, in layers of the grid
   std::uint32_t columns = 0, rows = 0;   ///< pixels, of what is printed
+  std::uint32_t left = 0;                ///< its first column
   std::uint64_t cured_pixels = 0;        ///< of all masks together
   std::uint64_t first_layer_pixels = 0;  ///< of the first one
   bool is_archive = false;
@@ -72,6 +76,8 @@ struct ContractSubject {
 };
 
 /// @retval the errors of plan_print()
+/// @retval ErrorCode::kBadSetting  what is printed has fewer columns than an exposure test has strips
+/// @retval the errors of check_test()
 [[nodiscard]] Expected<Contract> make_contract(const PrintProfile& profile, const MachineFile& machine,
                                                const ContractSubject& subject);
 

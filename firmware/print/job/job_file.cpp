@@ -16,7 +16,7 @@ namespace {
 
 /// Change the version whenever the stored data change, JobFacts, Contract and PrintPlan included.
 constexpr std::uint32_t kJobMagic = 0x424F4A50;  // "PJOB"
-constexpr std::uint32_t kJobFileVersion = 12;
+constexpr std::uint32_t kJobFileVersion = 13;
 
 struct JobHeader {
   std::uint32_t magic = kJobMagic;

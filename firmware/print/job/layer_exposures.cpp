@@ -49,6 +49,18 @@ void add_greys(std::uint32_t shares, std::uint32_t n, nanoseconds whole, LayerEx
   exposures.add({.shares = used.back().shares, .time = left});
 }
 
+void add_strips(const TestStrips& test, std::uint32_t strips, LayerExposures& exposures) {
+  exposures.add({.time = test.exposures[0]});
+  for (std::uint32_t c = 1; c < test.count && strips >> c != 0; ++c) {
+    const nanoseconds more = test.exposures[c] - test.exposures[c - 1];
+    if ((strips >> (c - 1) & 1U) != 0) {
+      exposures.add({.from = test.column(c), .time = more});
+    } else {
+      exposures.lengthen_last(more);
+    }
+  }
+}
+
 }  // namespace
 
 std::uint32_t LayerExposures::at(nanoseconds lit) const {
@@ -75,6 +87,10 @@ std::uint32_t grey_exposures_of(const PrintPlan& plan, std::uint32_t layer) {
 
 LayerExposures exposures_of(const PrintPlan& plan, std::uint32_t layer, MaskNeeds needs) {
   LayerExposures exposures;
+  if (is_tested(plan, layer)) {
+    add_strips(plan.test, needs.strips, exposures);
+    return exposures;
+  }
   const nanoseconds inside = needs.foot ? beyond_normal(plan, layer) : nanoseconds();
   add_greys(needs.shares, grey_exposures_of(plan, layer), exposure_of(plan, layer) - inside, exposures);
   if (inside > nanoseconds::zero()) exposures.add({.inside = true, .time = inside});
@@ -83,7 +99,9 @@ LayerExposures exposures_of(const PrintPlan& plan, std::uint32_t layer, MaskNeed
 
 LayerExposures most_exposures_of(const PrintPlan& plan, std::uint32_t layer) {
   const std::uint32_t all = (1U << (1U << grey_exposures_of(plan, layer))) - 1;
-  return exposures_of(plan, layer, {.shares = all & ~1U, .foot = plan.elephant_foot > Distance()});
+  return exposures_of(
+      plan, layer,
+      {.shares = all & ~1U, .foot = plan.elephant_foot > Distance(), .strips = (1U << plan.test.count) - 1});
 }
 
 std::size_t most_exposures(const PrintPlan& plan) {

@@ -7,9 +7,12 @@
 ///   elephant's foot                              a normal layer's time for the whole mask, what a bottom layer gets beyond that for the
 ///                                                mask without its outline: an outline has no more light than those above it, and the
 ///                                                rest still holds on to the plate
+///   exposure test                    the shortest exposure for the whole mask, what the second strip gets beyond that for the mask from
+///                                    there on, and so forth
 ///
 /// Masks that would be the same are one exposure. A layer without grey or foot is one, as long as it always was.
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -23,12 +26,14 @@ namespace plumbline::firmware {
 struct MaskNeeds {
   std::uint32_t shares = 0;  ///< bit k, 0 < k < 2^n: it has pixels with k/2^n of the light
   bool foot = false;         ///< its outline is to have less light than the rest
+  std::uint32_t strips = 0;  ///< bit c: it has pixels in strip c of PrintPlan::test
 };
 
 /// An exposure of a layer.
 struct LayerExposure {
   std::uint32_t shares = 0;  ///< bit k: shows pixels that get k/2^n of the light
   bool inside = false;       ///< shows the mask without its outline, and no grey
+  std::uint32_t from = 0;    ///< shows the mask's columns from here on
   nanoseconds time{};        ///< above 0
 };
 
@@ -36,7 +41,7 @@ struct LayerExposure {
 /// make, so it is made during the longest exposure.
 class LayerExposures {
  public:
-  static constexpr std::uint32_t kMost = GreyScale::kMostExposures + 2;
+  static constexpr std::uint32_t kMost = std::max(GreyScale::kMostExposures + 2, ExposureTest::kMostStrips);
 
   std::span<const LayerExposure> all() const { return std::span(list_).first(count_); }
   std::uint32_t count() const { return count_; }
@@ -46,6 +51,7 @@ class LayerExposures {
   nanoseconds begin(std::uint32_t i) const;
 
   void add(const LayerExposure& exposure) { list_[count_++] = exposure; }
+  void lengthen_last(nanoseconds more) { list_[count_ - 1].time += more; }
 
  private:
   std::array<LayerExposure, kMost> list_{};
@@ -59,7 +65,7 @@ std::uint32_t grey_exposures_of(const PrintPlan& plan, std::uint32_t layer);
 /// @param level  0 to 255
 constexpr std::uint32_t share_of(std::uint32_t level, std::uint32_t n) { return ((level << (n + 1)) + 255) / 510; }
 
-/// One exposure or more, whose times add up to exposure_of().
+/// One exposure or more, whose times add up to exposure_of(); to less if the last strips of a test have no pixels.
 LayerExposures exposures_of(const PrintPlan& plan, std::uint32_t layer, MaskNeeds needs);
 
 /// The most that any mask of this layer could need.

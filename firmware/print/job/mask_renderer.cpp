@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "firmware/io/mask_hash.hpp"
 #include "slicer/core/bit_spans.hpp"
@@ -23,6 +24,18 @@ void erode_row(Row above, Row at, Row below, bool eight, std::span<std::uint64_t
     std::uint64_t kept = at[w] & between(at, w) & above[w] & below[w];
     if (eight && kept != 0) kept &= between(above, w) & between(below, w);
     out[w] = kept;
+  }
+}
+
+/// Leaves out the columns before `from`, of the mask and of its greys.
+void show_from(std::uint32_t from, std::span<const GreyRun> all, BitImage out, GreyRuns& greys) {
+  for (std::uint32_t r = 0; from > 0 && r < out.rows(); ++r) fill(out, r, 0, from, false);
+  for (GreyRun run : all) {
+    const std::uint32_t column = run.pixel % out.columns(), less = column < from ? from - column : 0;
+    if (less >= run.count) continue;
+    run.pixel += less;
+    run.count = static_cast<std::uint16_t>(run.count - less);
+    greys.add(run);
   }
 }
 
@@ -69,10 +82,31 @@ Status MaskRenderer::make(std::uint32_t layer) {
   const std::uint32_t n = grey_exposures_of(plan_, layer);
   for (const GreyRun& run : source_->greys()) needs_.shares |= 1U << share_of(run.level, n);
   needs_.shares &= ~(1U | 1U << (1U << n));  // black and white
+  if (is_tested(plan_, layer)) needs_.strips = strips_with_pixels();
   hash_ = mask_hash(mask_, source_->greys());
   pixels_ = mask_.count() * plan_.steps.of(layer).step;
   layer_ = layer;
   return {};
+}
+
+std::uint32_t MaskRenderer::strips_with_pixels() const {
+  const BitImage any(rows_.first(mask_.stride()), mask_.columns(), 1);  // of each column
+  std::ranges::fill(any.words(), 0);
+  for (std::uint32_t r = 0; r < mask_.rows(); ++r) {
+    std::ranges::transform(any.words(), mask_.row(r), any.words().begin(), std::bit_or());
+  }
+  for (const GreyRun& run : source_->greys()) {
+    const std::uint32_t begin = run.pixel % mask_.columns();
+    fill(any, 0, begin, begin + run.count, true);
+  }
+  std::uint32_t strips = 0;
+  for_each_run(any.row(0), [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t c = 0; c < plan_.test.count; ++c) {
+      const bool is_last = c + 1 == plan_.test.count;
+      if (end > plan_.test.column(c) && (is_last || begin < plan_.test.column(c + 1))) strips |= 1U << c;
+    }
+  });
+  return strips;
 }
 
 /// Makes grey pixels black or white as an exposure shows them.
@@ -105,7 +139,7 @@ Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, std::chrono::nanos
   } else if (n > 0) {
     show_shares(shown, n, out);
   } else {
-    for (const GreyRun& run : source_->greys()) greys.add(run);
+    show_from(shown.from, source_->greys(), out, greys);
   }
   facts.making = made - start + (HostClock::now() - copied);
   facts.copying = copied - made;

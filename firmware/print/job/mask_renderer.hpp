@@ -53,6 +53,7 @@ class MaskRenderer {
       : source_(&source), plan_(plan), rows_(rows) {}
 
   Status make(std::uint32_t layer);
+  std::uint32_t strips_with_pixels() const;
   void show_shares(const LayerExposure& exposure, std::uint32_t n, BitImage out) const;
 
   MaskSource* source_;

@@ -118,6 +118,31 @@ Status check_light(const PrintPlan& plan, const PrintProfile& profile, const Mac
                       blamed(profile, key).c_str(), most, machine.max_light_per_minute_s));
 }
 
+/// Takes an exposure test into a plan whose other values are known.
+Status plan_test(const PrintProfile& profile, PrintPlan& plan) {
+  const ExposureTest& test = profile.exposure_test;
+  if (test.strips == 0) return {};
+  if (profile.adaptive) {
+    return fail(ErrorCode::kBadSetting, "an exposure test takes layers of one height:\tleave out adaptive layers");
+  }
+  nanoseconds before{};
+  for (; plan.test.count < test.strips; ++plan.test.count) {
+    const double exposure = test.seconds[plan.test.count];
+    const nanoseconds time =
+        std::chrono::round<std::chrono::microseconds>(seconds(exposure));  // as the journal keeps it
+    if (time - before < plan.least_exposure) {
+      const auto in_seconds = [](nanoseconds t) { return std::chrono::duration<double>(t).count(); };
+      return fail(
+          ErrorCode::kBadSetting,
+          "exposure test: %g s is %g s more than %g s, this printer's lamp is lit for %g s at least:\tleave out one",
+          exposure, in_seconds(time - before), in_seconds(before), in_seconds(plan.least_exposure));
+    }
+    plan.test.exposures[plan.test.count] = before = time;
+  }
+  plan.exposure = before;
+  return {};
+}
+
 double fade_of(const PrintPlan& plan, std::uint32_t layer) {
   return bottom_fade(layer, plan.bottom_layers, plan.faded_layers);
 }
@@ -203,6 +228,7 @@ Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& m
   plan.mask_change = seconds(kFrame + machine.refresh_delay_ms / 1000);
   // The shortest exposure of a profile, and of a lamp that is slow to warm up one of which its warm-up is a tenth.
   plan.least_exposure = std::max(seconds(0.1), seconds(machine.warm_up_ms / 100));
+  PLUMBLINE_TRY(plan_test(profile, plan));
   PLUMBLINE_TRY(check_height(plan));
   PLUMBLINE_TRY(check_light(plan, profile, machine));
   PLUMBLINE_TRY(check_plan(plan, profile.archive.empty() ? profile.name : profile.archive, machine));

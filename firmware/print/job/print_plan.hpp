@@ -32,6 +32,16 @@ struct StageMove {
 };
 using TwoStageMove = std::array<StageMove, 2>;
 
+/// Strips of equal width along x that get exposures of their own in normal layers.
+struct TestStrips {
+  std::uint32_t count = 0;                                         ///< 0: none
+  std::array<nanoseconds, ExposureTest::kMostStrips> exposures{};  ///< ascending
+  std::uint32_t begin = 0, end = 0;                                ///< columns of the object
+
+  /// First column of a strip. What the object does not cover belongs to the nearest strip.
+  std::uint32_t column(std::uint32_t strip) const { return strip == 0 ? 0 : begin + (end - begin) * strip / count; }
+};
+
 struct PrintPlan {
   std::uint32_t layers = 0;
   LayerSteps steps;           ///< heights of an adaptive print's layers, in parts of layer_height
@@ -41,6 +51,7 @@ struct PrintPlan {
   Distance first_layer_more;  ///< that the first layer is higher than the others; may be negative
   nanoseconds exposure{};
   nanoseconds initial_exposure{};
+  TestStrips test;  ///< of which `exposure` is the longest
   std::uint32_t bottom_layers = 0;
   std::uint32_t faded_layers = 0;
   nanoseconds rest_before_exposure{};
@@ -69,6 +80,7 @@ struct PrintPlan {
 /// @retval ErrorCode::kBadSetting       a speed above the Z stage's, or a slow retract longer than the lift
 /// @retval ErrorCode::kExposureTooLong  an exposure above the lamp's longest, or more light in a minute than the lamp may give
 /// @retval ErrorCode::kDoesNotFit       the last layer's lift ends above the Z stage's highest point: by how much
+/// @retval ErrorCode::kBadSetting       an exposure test of adaptive layers, or with steps too short for the lamp
 /// @retval any error of check_plan()
 [[nodiscard]] Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& machine,
                                              double layer_height_mm, std::uint32_t layers,
@@ -82,6 +94,10 @@ struct PrintPlan {
 ///
 /// times dose_factor() of its height in an adaptive print
 nanoseconds exposure_of(const PrintPlan& plan, std::uint32_t layer);
+/// Whether its strips get exposures of their own, of which exposure_of() is the longest.
+inline bool is_tested(const PrintPlan& plan, std::uint32_t layer) {
+  return plan.test.count > 0 && layer >= plan.bottom_layers + plan.faded_layers;
+}
 /// What a layer of its height gets above the faded ones.
 nanoseconds normal_exposure_of(const PrintPlan& plan, std::uint32_t layer);
 

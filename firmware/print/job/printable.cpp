@@ -14,6 +14,7 @@ ContractSubject subject(const PrintGrid& grid, const MaskExtent& extent, const S
       .grid = grid, .cured_pixels = findings.voxels, .first_layer_pixels = findings.first_layer_pixels};
   if (!extent.empty()) {
     about.columns = extent.right - extent.left;
+    about.left = extent.left;
     about.rows = extent.bottom - extent.top;
   }
   return about;
@@ -77,7 +78,9 @@ Printable printable_of(const SlicedArchive& sliced, std::string_view name, std::
 Expected<Printable> slice_printable(ScanSources scan, const SliceSettings& settings, const PrintProfile& profile,
                                     const MachineFile& machine, Arena& arena, ProgressSink* progress) {
   // Checks that don't depend on the height run before slicing, which may take minutes.
-  PLUMBLINE_TRY(plan_print(profile, machine, finest_layer_mm(profile), 1));
+  const auto plan = plan_print(profile, machine, finest_layer_mm(profile), 1);
+  PLUMBLINE_TRY(plan);
+  PLUMBLINE_TRY(check_test(*plan));
   SliceReport report;
   const auto sliced = slice_for_print(scan, settings, arena, progress, report);
   PLUMBLINE_TRY(sliced);

@@ -218,9 +218,26 @@ class Print(Program):
         self.assertIn("PL-202, panel does not answer", done.stdout)
         self.assertEqual(done.stdout.count("cable"), 1, done.stdout)
 
+    def test_an_exposure_test_gives_each_strip_its_time_also_after_a_power_cut(self):
+        bar, state, report = self.dir / "bar.stl", self.dir / "state", self.dir / "report.json"
+        bar.write_text(f"solid part\n{box((0, 0, 0), (12, 6, 2))}endsolid part\n")
+        same = ("print", bar, "--printer", SIM2K, "--supports", "none", "--report", report)
+        self.run_it("print", bar, "--printer", SIM2K, "--supports", "none", "--quiet", "--exposure-test", "2.4s,2s", status=2)
+        test = ("--exposure-test", "1.6s,2s,2.4,2.8s", "--state", state, "--fault", "power.cut@layer=20+1.8s")
+        cut = self.run_it(*same, *test, status=1)
+        self.assertIn("test       strips along x, from where the object begins: 0.0 to 3.0 mm 1.6 s, 3.0 to 6.0 mm 2 s, ", cut.stdout + cut.stderr)
+        self.run_it("print", "--resume", "--state", state, "--printer", SIM2K, "--report", report, "--quiet")
+        printed = json.loads(report.read_text())
+        self.assertEqual((printed["state"], printed["objections"]), ("finished", []))
+        strips = printed["contract"]["exposure_test"]
+        self.assertEqual([(one["strip"], one["exposure_s"]) for one in strips], [(1, 1.6), (2, 2), (3, 2.4), (4, 2.8)])
+        self.assertAlmostEqual(strips[1]["to_mm"], 6, delta=0.05)
+        layer = [(one["exposure"], one["asked_s"]) for one in printed["exposures"] if one["layer"] == 30]
+        self.assertEqual(layer, [(0, 1.6), (1, 0.4), (2, 0.4), (3, 0.4)])
+
     def test_resume_takes_what_is_stored_and_nothing_else(self):
         state = self.dir / "state"
-        for more in (("x.ply",), ("--supports", "auto"), ("--support-head-width", 2), ("--truth", "x.stl")):
+        for more in (("x.ply",), ("--supports", "auto"), ("--support-head-width", 2), ("--truth", "x.stl"), ("--exposure-test", "2,3")):
             done = self.run_it("print", *more, "--resume", "--state", state, "--printer", SIM2K, status=2)
             self.assertIn("excludes", done.stderr)
         done = self.run_it("print", "--resume", "--state", state, "--printer", SIM2K, status=1)

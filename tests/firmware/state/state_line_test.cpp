@@ -92,6 +92,8 @@ std::unique_ptr<PrinterRecord> longest_record() {
   contract.plan.layers = ~std::uint32_t{0};
   contract.plan.layer_height = Distance::micrometres(123.456);
   contract.sources.fill(ValueSource::kPrinter);
+  contract.plan.test.count = ExposureTest::kMostStrips;
+  contract.plan.test.exposures.fill(std::chrono::nanoseconds(119'123'456'789));
   for (auto& value : record->job->values) value = 299.9999;
   record->slicing = SlicingRecord{Stage::kWindingTree, 0.123};
   record->proposals.emplace().fill({{-359.9, -359.9}, 1, 1.23456e29, 1.23456e29, 1.23456e29, 1.23456e29, 1.23456e29});

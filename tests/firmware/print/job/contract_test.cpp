@@ -167,6 +167,37 @@ TEST(Contract, SaysWhatGreyByExposuresCosts) {
   EXPECT_TRUE(short_ones->doubts_about(Doubt::kGrey));
 }
 
+TEST(Contract, HasTheStripsOfAnExposureTest) {
+  PrintProfile profile = standard_profile();
+  profile.exposure_test = {.strips = 4, .seconds = {2, 2.5, 3, 3.5}};
+  profile.exposure_time = 3.5;
+  MachineFile machine = sim2k();
+  ContractSubject about = an_archive();
+  about.left = 40;
+  about.columns = 40;
+  const auto contract = make_contract(profile, machine, about);
+  ASSERT_TRUE(contract) << contract.error().message();
+  EXPECT_EQ(contract->plan.test.column(2), 60U);
+  EXPECT_EQ(contract->plan.exposure, std::chrono::milliseconds(3500));
+  EXPECT_EQ(contract->cure_depth, cure_depth(profile, Irradiance(machine.power_mw_cm2), std::chrono::seconds(2)));
+  EXPECT_THAT(lines_of(*contract), HasSubstr("\ntest       strips along x, from where the object begins: 0.0 to 0.5 mm "
+                                             "2 s, 0.5 to 1.0 mm 2.5 s, 1.0 to 1.5 mm 3 s, 1.5 to 2.0 mm 3.5 s\n"));
+  about.columns = 3;
+  EXPECT_THAT(std::string(make_contract(profile, machine, about).error().message()), HasSubstr("the object has 3"));
+  about = an_archive();
+  about.grey = 0.5;
+  EXPECT_TRUE(make_contract(profile, machine, about)) << "its panel shows grey";
+  machine.panel.grey = {.exposures = 3};
+  EXPECT_THAT(std::string(make_contract(profile, machine, about).error().message()), HasSubstr("print without grey"));
+  about.grey = 0;
+  EXPECT_TRUE(make_contract(profile, machine, about));
+  profile.exposure_test.seconds[1] = 2.05;
+  EXPECT_THAT(std::string(make_contract(profile, machine, about).error().message()),
+              HasSubstr("2.05 s is 0.05 s more than 2 s, this printer's lamp is lit for 0.1 s at least"));
+  profile.adaptive = true;
+  EXPECT_THAT(std::string(make_contract(profile, machine, about).error().message()), HasSubstr("layers of one height"));
+}
+
 TEST(Contract, OfAScanHasNoDoubts) {
   ContractSubject scan = an_archive();
   scan.is_archive = false;

@@ -111,6 +111,47 @@ TEST(LayerExposures, OfAFootGiveTheOutlineANormalLayersLight) {
   EXPECT_EQ(most_exposures_of(shorter, 0).count(), 1U);
 }
 
+/// Of four strips of ten columns from 20 on.
+PrintPlan tested() {
+  PrintPlan plan = exposed(0, 0.1);
+  plan.test = {.count = 4, .exposures = {1600ms, 2s, 2400ms, 2800ms}, .begin = 20, .end = 60};
+  plan.exposure = 2800ms;
+  return plan;
+}
+
+std::vector<std::uint32_t> begins(const LayerExposures& exposures) {
+  std::vector<std::uint32_t> columns;
+  for (const LayerExposure& exposure : exposures.all()) columns.push_back(exposure.from);
+  return columns;
+}
+
+TEST(LayerExposures, OfATestAreTheShortestOfAllAndWhatEachStripGetsMore) {
+  const PrintPlan plan = tested();
+  const auto exposures = most_exposures_of(plan, 5);
+  EXPECT_THAT(times(exposures), ElementsAre(1600ms, 400ms, 400ms, 400ms));
+  EXPECT_THAT(begins(exposures), ElementsAre(0, 30, 40, 50))
+      << "what stands before the object belongs to its first strip";
+  EXPECT_EQ(exposures.begin(4), exposure_of(plan, 5));
+  for (std::uint32_t layer = 0; layer < 5; ++layer) {
+    EXPECT_THAT(times(most_exposures_of(plan, layer)), ElementsAre(2800ms, exposure_of(plan, layer) - 2800ms)) << layer;
+  }
+  PrintPlan eight = plan;
+  eight.test = {.count = 8, .exposures = {1s, 2s, 3s, 4s, 5s, 6s, 7s, 8s}, .begin = 0, .end = 1000};
+  EXPECT_EQ(most_exposures_of(eight, 10).count(), LayerExposures::kMost);
+}
+
+TEST(LayerExposures, OfATestAreFewerWhereStripsHaveNoPixels) {
+  const PrintPlan plan = tested();
+  const auto of = [&](std::uint32_t strips) { return exposures_of(plan, 10, {.strips = strips}); };
+  EXPECT_THAT(times(of(0b0001)), ElementsAre(1600ms)) << "the rest would be black";
+  EXPECT_THAT(times(of(0b0011)), ElementsAre(1600ms, 400ms));
+  EXPECT_THAT(times(of(0b1001)), ElementsAre(1600ms, 1200ms));
+  EXPECT_THAT(begins(of(0b1001)), ElementsAre(0, 30));
+  EXPECT_THAT(times(of(0b1100)), ElementsAre(2400ms, 400ms)) << "the same mask three times is one exposure";
+  EXPECT_THAT(begins(of(0b1100)), ElementsAre(0, 50));
+  EXPECT_THAT(times(of(0)), ElementsAre(1600ms));
+}
+
 TEST(LayerExposures, FollowFromTheLightThatALayerHasHad) {
   const auto exposures = most_exposures_of(exposed(2), 10);  // 0.625 s, 0.625 s, 1.25 s
   EXPECT_EQ(exposures.at(0s), 0U);

@@ -13,6 +13,8 @@
 namespace plumbline::firmware {
 namespace {
 
+using namespace std::chrono_literals;
+
 using ::testing::HasSubstr;
 
 /// Draws a pixel for each layer: the one that its number says.
@@ -95,7 +97,8 @@ TEST(MaskRenderer, GivesThePanelTheGreysOfItsSource) {
 /// A square with a grey rim, which counts how often it is asked for.
 class GreySquare final : public MaskSource {
  public:
-  GreySquare() {
+  /// @param run  pixels of a run
+  explicit GreySquare(std::uint32_t run = 1) {
     grid_.columns = 64;
     grid_.rows = 32;
     grid_.layers = 3;
@@ -103,8 +106,9 @@ class GreySquare final : public MaskSource {
     words_.resize(BitImage::words_needed(64, 32));
     for (std::uint32_t row = 4; row < 28; ++row) {
       fill(image(), row, 10, 50, true);
-      for (std::uint32_t k = 0; k < 8; ++k) {
-        runs_.push_back({64 * row + 50 + k, 1, static_cast<std::uint8_t>(255 * (k + 0.5) / 8)});
+      for (std::uint32_t k = 0; k < 8; k += run) {
+        runs_.push_back(
+            {64 * row + 50 + k, static_cast<std::uint16_t>(run), static_cast<std::uint8_t>(255 * (k + 0.5) / 8)});
       }
     }
     set_bits(runs_, image());
@@ -169,6 +173,46 @@ TEST(MaskRenderer, DrawsTheMaskOfEachExposure) {
     }
   }
   EXPECT_EQ(source.asked, 2) << "once a layer";
+}
+
+TEST(MaskRenderer, ShowsEachStripOfATestWithItsGreys) {
+  for (const std::uint32_t run : {1U, 4U, 8U}) {
+    GreySquare source(run);  // white from column 10 to 50, then grey up to 58
+    std::vector<std::byte> block(1 << 16U);
+    Arena arena{std::span(block)};
+    PrintPlan plan;
+    plan.layers = 3;
+    plan.test = {.count = 3, .exposures = {1s, 2s, 4s}, .begin = 22, .end = 70};  // from columns 0, 38 and 54 on
+    plan.exposure = 4s;
+    auto renderer = MaskRenderer::create(source, plan, arena);
+    ASSERT_TRUE(renderer);
+    std::vector<std::uint64_t> words(BitImage::words_needed(64, 32));
+    const BitImage image(words, 64, 32);
+    std::vector<GreyRun> room(1000);
+    std::vector<double> light(64 * 32);
+    std::chrono::nanoseconds lit{};
+    for (bool is_last = false; !is_last;) {
+      GreyRuns greys(room, 64);
+      const auto facts = renderer->render(1, lit, image, greys);
+      ASSERT_TRUE(facts);
+      is_last = facts->is_last;
+      const double seconds = std::chrono::duration<double>(facts->end - lit).count();
+      lit = facts->end;
+      std::vector<std::uint32_t> level(light.size());
+      for (std::uint32_t i = 0; i < level.size(); ++i) level[i] = image.at(i % 64, i / 64) ? 255 : 0;
+      for (const GreyRun& grey : greys.runs()) std::fill_n(level.begin() + grey.pixel, grey.count, grey.level);
+      for (std::uint32_t i = 0; i < level.size(); ++i) light[i] += seconds * level[i] / 255;
+    }
+    EXPECT_EQ(lit, 4s);
+    const auto of = [&](std::uint32_t column) { return light[64 * 15 + column]; };
+    const auto share = [&](std::uint32_t k) { return std::floor(255 * (k / run * run + 0.5) / 8) / 255; };
+    EXPECT_EQ(of(9), 0);
+    for (std::uint32_t column = 10; column < 58; ++column) {
+      const double full = column < 38 ? 1 : column < 54 ? 2 : 4;
+      EXPECT_NEAR(of(column), full * (column < 50 ? 1 : share(column - 50)), 1e-9) << column << " in runs of " << run;
+    }
+    EXPECT_EQ(of(58), 0);
+  }
 }
 
 }  // namespace
