@@ -7,6 +7,7 @@
 
 #include "firmware/pictures/preview/preview_layout.hpp"
 #include "firmware/pictures/preview/preview_section.hpp"
+#include "slicer/core/bit_spans.hpp"
 
 namespace plumbline::firmware::inline pictures {
 
@@ -149,29 +150,6 @@ class RunWriter {
   std::size_t count_ = 0;  ///< of last_
 };
 
-/// Calls visit(row, begin, end) for the runs of pixels that are set.
-template <class Visit>
-void for_each_run(const BitImage& image, const Extent& extent, Visit visit) {
-  for (std::uint32_t row = extent.row; row < extent.row_end; ++row) {
-    const auto words = image.row(row);
-    for (std::uint32_t at = extent.column; at < extent.column_end;) {
-      const std::uint64_t rest = words[at / 64] >> (at % 64);
-      if (rest == 0) {
-        at = (at / 64 + 1) * 64;
-        continue;
-      }
-      const std::uint32_t begin = at + static_cast<std::uint32_t>(std::countr_zero(rest));
-      at = begin;
-      for (bool on = true; on && at < extent.column_end;) {
-        const auto length = static_cast<std::uint32_t>(std::countr_one(words[at / 64] >> (at % 64)));
-        on = length == 64 - at % 64;
-        at += length;
-      }
-      visit(row, begin, at);
-    }
-  }
-}
-
 /// The layers of a model, from below.
 class Modeller {
  public:
@@ -240,9 +218,12 @@ class Modeller {
       section.advance(done_, [](std::uint32_t, std::uint32_t, bool) {});
     }
     if (layer < rrep_.grid.layers) {
-      for_each_run(section.image(), extent_, [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-        object.add(row - extent_.row, begin - extent_.column, end - extent_.column);
-      });
+      for (std::uint32_t row = extent_.row; row < extent_.row_end; ++row) {
+        for_each_run(std::span<const std::uint64_t>(section.image().row(row)),
+                     [&](std::uint32_t begin, std::uint32_t end) {
+                       object.add(row - extent_.row, begin - extent_.column, end - extent_.column);
+                     });
+      }
     }
     for (const Strut& strut : supports_.list) {
       if (!strut.is_in(layer)) continue;

@@ -216,7 +216,7 @@ function buttonText(name) {
     return {offered: words.decline, slicing: words.stop, interrupted: words.giveUp}[state.state] || words.cancel;
   }
   if (name === "offer" && !state.stick.present) return words.offerUpload;
-  return name === "start" && state.sliced ? words.again : words[name];
+  return name === "start" && state.sliced ? words.again : name === "settings" ? words.back : words[name];
 }
 // A button is made anew with each question and keeps what it is for, so a click counts only for the question that was there when the pointer
 // went down. And one of a person's two quick clicks on a button must not hit the next question's, which stands in the same place.
@@ -239,7 +239,7 @@ function showButtons() {
     setTimeout(markButtons, settle + 10);
   }
   fill($("buttons"), [names, names.map(buttonText), state.asks, jobId()], () => names.map((name) => {
-    const kind = name === "cancel" ? "danger" : ["pause", "filled"].includes(name) ? "" : "main";
+    const kind = name === "cancel" ? "danger" : ["pause", "filled", "settings"].includes(name) ? "" : "main";
     const button = element("button", buttonText(name), {class: kind, "data-do": name});
     const asks = name === "cancel" && (isRunning() || state.state === "interrupted");
     const about = name === "offer" ? null : answers(name) && !(name === "cancel" && isRunning()) ? state.asks : jobId();
@@ -608,6 +608,7 @@ function makeSettings() {
   }
   return parts;
 }
+$("reset").onclick = () => command({do: "set", key: "reset", value: "", ...jobId() && {for: jobId()}});
 function showSettings() {
   const shown = state.commands.includes("set") && Boolean(state.job) && !state.sliced;
   $("settings").hidden = !shown;
@@ -829,7 +830,7 @@ function sayWords() {
   put("#stop-upload", words.uploadStop);
   put("#stored button", words.remove);
   $("sent").setAttribute("aria-label", words.uploading);
-  for (const [id, text] of [["with-ghost span", words.withGhost], ["mask-hint", words.maskHint], ["place-before", words.placeBefore], ["place-next", words.placeNext]]) put(`#${id}`, text);
+  for (const [id, text] of [["with-ghost span", words.withGhost], ["reset", words.reset], ["mask-hint", words.maskHint], ["place-before", words.placeBefore], ["place-next", words.placeNext]]) put(`#${id}`, text);
   $("mask").setAttribute("aria-label", words.masksAlt);
   $("language").setAttribute("aria-label", words.language);
   $("language").append(...Object.keys(texts).map((code) => element("option", texts[code].ownName, {value: code})));
