@@ -224,7 +224,7 @@ const settle = 1000;  // ms, as the printer's own buttons
 let asked = "", askedAt = 0;
 const jobId = () => state.job && state.job.id || null;
 const answers = (name) => state.asks && name !== "pause";
-const isTooSoon = (name) => sendings > 0 || Boolean(answers(name)) && performance.now() < askedAt + settle;
+const isTooSoon = (name) => sendings > 0 || Boolean(answers(name) || state.state === "slicing") && performance.now() < askedAt + settle;
 function markButtons() {
   for (const button of $("buttons").children) button.setAttribute("aria-disabled", isTooSoon(button.dataset.do));
 }

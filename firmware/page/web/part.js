@@ -54,6 +54,22 @@ function decodeModel(bytes) {
   return {dims: [dx, dy, nz + 2], low: numbers.slice(0, 3), cell: numbers.slice(3), object, supports, evidence: Boolean(flags & 2)};
 }
 
+// Cells of twice the size, for a view that moves on a slow device.
+function coarser({dims, low, cell}, cells) {
+  const of = dims.map((side) => Math.ceil((side - 2) / 2) + 2), out = new Uint8Array(of[0] * of[1] * of[2]), sums = new Uint16Array(out.length);
+  for (let z = 1; z < dims[2] - 1; ++z) {
+    for (let y = 1; y < dims[1] - 1; ++y) {
+      const to = ((z + 1 >> 1) * of[1] + (y + 1 >> 1)) * of[0];
+      for (let x = 1, from = (z * dims[1] + y) * dims[0] + 1; x < dims[0] - 1; ++x, ++from) {
+        sums[to + (x + 1 >> 1)] += cells[from] & fullCell;
+        if (cells[from] > out[to + (x + 1 >> 1)]) out[to + (x + 1 >> 1)] = cells[from] & ~fullCell;  // what most of it rests on, or worse
+      }
+    }
+  }
+  for (let i = 0; i < out.length; ++i) out[i] |= sums[i] >> 3;
+  return [{dims: of, low, cell: cell.map((side) => 2 * side)}, out];
+}
+
 class Growing {
   constructor(Type, room) {
     this.data = new Type(room);
@@ -186,7 +202,7 @@ function makePartView(canvas, say) {
 
   const look = (toYaw, toPitch) => { [yaw, pitch] = [toYaw, toPitch]; draw(); };
   const reset = () => { zoom = 1; pan = [0, 0]; look(0.5, 0.35); };
-  function meshOf({places, normals, corners}, colour) {
+  function meshOf({places, normals, corners}) {
     const array = gl.createVertexArray(), buffer = (target, data) => {
       gl.bindBuffer(target, gl.createBuffer());
       gl.bufferData(target, data, gl.STATIC_DRAW);
@@ -199,7 +215,7 @@ function makePartView(canvas, say) {
     buffer(gl.ELEMENT_ARRAY_BUFFER, corners);
     gl.enableVertexAttribArray(0);
     gl.enableVertexAttribArray(1);
-    return {array, count: corners.length, colour};
+    return {array, count: corners.length};
   }
   // A sheet at the height of the layer that is looked at.
   function sheet() {
@@ -220,7 +236,10 @@ function makePartView(canvas, say) {
   function draw() {
     if (dirty) return;
     dirty = true;
-    requestAnimationFrame(() => { dirty = false; drawNow(); });
+    requestAnimationFrame(() => {
+      dirty = false;
+      drawNow();
+    });
   }
   function drawNow() {
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
@@ -237,8 +256,9 @@ function makePartView(canvas, say) {
     gl.uniform2f(place.pan, 2 * pan[0] * ratio / wide, -2 * pan[1] * ratio / tall);
     gl.uniform1f(place.deep, 0.95 / (radius() * Math.max(1, zoom)));
     gl.uniform1f(place.top, plane === null ? 1e9 : plane);
-    for (const {array, count, colour, supports} of meshes) {
-      if (supports && !withSupports) continue;
+    const rough = performance.now() < movesUntil && slow;
+    for (const {array, count, colour, supports, coarse} of meshes) {
+      if ((supports && !withSupports) || coarse !== rough) continue;
       gl.bindVertexArray(array);
       gl.uniform4fv(place.colour, colour);
       gl.uniform1i(place.shows, colours && !supports ? 1 : 0);
@@ -258,12 +278,25 @@ function makePartView(canvas, say) {
       gl.disable(gl.BLEND);
     }
     for (const {node, at} of spots) {
-      const p = at.map((value, axis) => value - middle()[axis]);
-      const along = (axis) => axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2];
-      node.style.left = `${canvas.clientWidth / 2 + along(right) * scale / ratio + pan[0]}px`;
-      node.style.top = `${canvas.clientHeight / 2 - along(up) * scale / ratio + pan[1]}px`;
+      const [x, y] = placeOf(at);
+      Object.assign(node.style, {left: `${x}px`, top: `${y}px`});
+      node.hidden = plane !== null && at[2] > plane + 1e-6;
     }
     ++view.frames;
+    if (rough) setTimeout(draw, movesUntil - performance.now() + 20);
+  }
+  // Where a place of the part is on the canvas, CSS pixels.
+  function placeOf(mm) {
+    const [right, up] = axes(), p = mm.map((value, axis) => value - middle()[axis]), scale = perMm() * canvas.clientWidth / canvas.width;
+    const along = (axis) => axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2];
+    return [canvas.clientWidth / 2 + along(right) * scale + pan[0], canvas.clientHeight / 2 - along(up) * scale + pan[1]];
+  }
+  // A device that needs longer than 1/30 s for a frame gets larger cells while the view moves.
+  let movesUntil = 0, slow = false, drawnAt = 0;
+  function moved() {
+    const now = performance.now();
+    if (now < movesUntil && now - drawnAt > 34) slow = true;
+    [drawnAt, movesUntil] = [now, now + 600];
   }
   const sheetBuffer = gl.createBuffer();
 
@@ -284,11 +317,15 @@ function makePartView(canvas, say) {
       at += value.length;
       say(`${Math.round(100 * at / size)} %`);
     }
-    const next = decodeModel(bytes), surfaces = [await surfaceOf(next, next.object, 31)];
-    if (next.supports) surfaces.push(await surfaceOf(next, next.supports, 12));
+    const next = decodeModel(bytes), surfaces = [];
+    for (const [cells, level, colour] of [[next.object, 31, [.87, .87, .83, 1]], ...next.supports ? [[next.supports, 12, [.93, .68, .36, 1]]] : []]) {
+      const of = {colour, supports: cells === next.supports};
+      surfaces.push({...of, coarse: false, surface: await surfaceOf(next, cells, level)});
+      surfaces.push({...of, coarse: true, surface: await surfaceOf(...coarser(next, cells), level)});
+    }
     if (wanted !== url) return;
     clear();
-    meshes = surfaces.map((surface, i) => ({...meshOf(surface, i ? [.93, .68, .36, 1] : [.87, .87, .83, 1]), supports: i > 0}));
+    meshes = surfaces.map(({surface, ...of}) => ({...of, ...meshOf(surface)}));
     view.hasSupports = Boolean(next.supports);
     view.hasEvidence = next.evidence;
     next.object = next.supports = null;
@@ -323,12 +360,13 @@ function makePartView(canvas, say) {
       turnBy(-by[0] * 0.01, by[1] * 0.01);
     }
   };
-  const turnBy = (byYaw, byPitch) => look(yaw + byYaw, Math.max(-Math.PI / 2, Math.min(Math.PI / 2, pitch + byPitch)));
+  const turnBy = (byYaw, byPitch) => moved() || look(yaw + byYaw, Math.max(-Math.PI / 2, Math.min(Math.PI / 2, pitch + byPitch)));
   function zoomBy(factor, x = canvas.clientWidth / 2, y = canvas.clientHeight / 2) {
     const next = Math.max(0.5, Math.min(40, zoom * factor)), by = next / zoom;
     const from = [x - canvas.clientWidth / 2, y - canvas.clientHeight / 2];
     pan = [0, 1].map((axis) => from[axis] - by * (from[axis] - pan[axis]));
     zoom = next;
+    moved();
     draw();
   }
   canvas.addEventListener("wheel", (event) => {
@@ -353,7 +391,7 @@ function makePartView(canvas, say) {
   reset();
 
   const view = {
-    frames: 0, hasSupports: false, hasEvidence: false, look, reset,
+    frames: 0, hasSupports: false, hasEvidence: false, look, reset, turnBy, placeOf,
     show(url) {
       if (url === wanted) return;
       wanted = url;

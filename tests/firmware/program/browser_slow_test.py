@@ -15,7 +15,7 @@ from glances_test import LAYER, RED, archive_of, rgb_png
 from sliced_test import png, square
 from page_client import PagePrinter
 from state_client import same_age
-from web_driver import CHROMIUM, DRIVER, ENTER, ESCAPE, RIGHT, TAB, Browser
+from web_driver import CHROMIUM, DRIVER, ENTER, ESCAPE, HOME, RIGHT, TAB, Browser
 
 SHOWN = ":not([hidden], [hidden] *, [inert] *, dialog:not([open]) *)"
 
@@ -47,25 +47,13 @@ return [seen, bad];
 """
 
 
-# How much of an image is white.
-WHITE = """const white = (image) => {
-  const canvas = Object.assign(document.createElement('canvas'), {width: image.naturalWidth, height: image.naturalHeight});
-  const to = canvas.getContext('2d');
-  to.drawImage(image, 0, 0);
-  const data = to.getImageData(0, 0, canvas.width, canvas.height).data;
-  let lit = 0;
-  for (let i = 0; i < data.length; i += 4) lit += data[i];
-  return lit;
-};"""
-
-
 @unittest.skipUnless(CHROMIUM and DRIVER, "no chromium and chromium-driver")
 class BrowserTest(PagePrinter):
     def look(self, name, expected="^$"):
         """What must hold whatever the page shows, in each size.
         @param expected  matches what the browser may complain about
         """
-        for columns, rows, dark in ((360, 740, False), (1280, 900, True)):
+        for columns, rows, dark in ((320, 640, True), (390, 844, False), (1440, 900, True)):
             self.browser.size(columns, rows, dark)
             wide = self.browser.run("return [document.documentElement.scrollWidth, innerWidth]")
             self.assertLessEqual(wide[0], wide[1], f"{name} is wider than a screen of {columns} pixels")
@@ -73,6 +61,7 @@ class BrowserTest(PagePrinter):
             self.assertGreater(seen, 3)
             self.assertEqual(bad, [], f"contrast of {name}")
             small = self.browser.run("""return [...document.querySelectorAll('button, select, input')]
+                .map((e) => e.type === 'checkbox' ? e.closest('label') : e)
                 .filter((e) => e.checkVisibility() && e.getBoundingClientRect().height < 44).map((e) => e.outerHTML)""")
             self.assertEqual(small, [], "too small for a finger")
             # Regression: a scan without a picture showed a broken one.
@@ -118,28 +107,27 @@ class BrowserTest(PagePrinter):
         self.browser.until("return !document.querySelector('#pair').open", "paired")
 
     def turn_the_part(self):
-        """By keyboard, by buttons, by dragging: each time the picture is another one."""
-        seen = set()
+        """By keyboard, by buttons, by dragging: each time it is seen from another side."""
+        browser, seen = self.browser, set()
 
-        def shows(text):
-            picture = self.browser.until(f"""const i = document.querySelector('#stage img');
-                return document.querySelector('#turned').textContent === '{text}' && i && i.alt === '{text}' && i.naturalWidth === 200 && i.src""", text)
-            seen.add(picture)
+        def look():
+            time.sleep(0.2)
+            browser.until("return view.frames > 0 && document.querySelector('#loading').hidden", "the part")
+            seen.add(browser.shot("#view"))
 
-        shows("from the front")
-        self.tab_to("#stage")
-        self.browser.press(RIGHT, RIGHT)
-        shows("turned by 45.0°")
-        self.browser.click("#turn-left")
-        shows("turned by 22.5°")
-        self.browser.click("#turn-right")
-        self.browser.click("#turn-right")
-        shows("turned by 67.5°")
-        self.browser.drag("#stage", -98)
-        shows("turned by 337.5°")
-        self.assertEqual(len(seen), 5)
-        stage = self.browser.run("const s = document.querySelector('#stage'); return [s.role, s.ariaLabel, s.ariaValueText, s.ariaValueNow]")
-        self.assertEqual(stage, ["slider", "Turn the part", "turned by 337.5°", "337.5"])
+        look()
+        self.tab_to("#view")
+        browser.press(RIGHT, RIGHT)
+        look()
+        browser.press("+")
+        look()
+        browser.click("#from-above")
+        look()
+        browser.drag("#view", -98)
+        look()
+        browser.run("document.querySelector('#layer').value = 20; document.querySelector('#layer').oninput()")
+        look()
+        self.assertEqual(len(seen), 6)
 
     def test_a_job_from_the_stick_to_the_finished_part(self):
         self.start("--fault", "stage.stalls@layer=40", plate=False, speedup=120, printer=self.page_board("network"))
@@ -208,14 +196,17 @@ class BrowserTest(PagePrinter):
         browser.press(ENTER)
         # What would be printed, layer by layer.
         self.until_state("offered", "!document.querySelector('#layers').hidden")
-        loaded = "const m = document.querySelector('#mask'); return m.complete && m.naturalWidth > 0 && m.dataset.layer"
-        first = browser.until(loaded, "a mask")
+        first = 1 + browser.until("return layerView.facts()", "a mask")["layer"]
         self.tab_to("#layer")
         browser.press(RIGHT, RIGHT, RIGHT)
-        browser.until(f"return document.querySelector('#mask').dataset.layer === '{int(first) + 3}'", "the mask of three layers above")
-        self.assertRegex(browser.run("return document.querySelector('#which').textContent"), rf"^Layer {int(first) + 3} of \d+, \d\.\d0 mm$")
-        browser.until("return document.querySelector('#picture-preview').naturalWidth === 320", "the preview")
-        browser.until("return document.querySelector('#picture-coverage').naturalWidth > 300", "what was scanned")
+        browser.until(f"return layerView.facts().layer === {first + 2}", "the mask of three layers above")
+        # As near as single pixels, by keyboard.
+        self.tab_to("#mask")
+        browser.press(*"++++++++++++")
+        near = browser.until("const f = layerView.facts(); return f.step === 1 && f.scale > 2 && f", "single pixels")
+        self.assertGreater(near["light"], 0)
+        browser.press(HOME)
+        self.assertRegex(browser.run("return document.querySelector('#which').textContent"), rf"^Layer {first + 3} of \d+, \d\.\d0 mm$")
         self.turn_the_part()
         self.look("sliced")
         self.do("start")
@@ -394,7 +385,7 @@ class BrowserTest(PagePrinter):
             user.do("start", **{"for": asked["asks"]})
             return user.until(lambda s: s["state"] == "offered" and s["masks"] and s["commands"], "sliced")
 
-        shown = f"const m = document.querySelector('#mask'); {WHITE} return m.complete && m.naturalWidth > 0 && m.dataset.layer && white(m)"
+        shown = "return layerView.facts().light"
         slice_scan(1)
         a = browser.until(shown, "A's mask")
         # Slider and picture numbers are the same for B after a restart.
@@ -402,7 +393,7 @@ class BrowserTest(PagePrinter):
         daemon.wait()
         daemon, user = self.start(speedup=20, plate=False, printer=self.page_board("local"))
         sliced = slice_scan(2)
-        browser.until(f"return document.querySelector('#picture-preview').src.includes('{sliced['job']['id']}')", "B's preview")
+        browser.until(f"return jobId() === '{sliced['job']['id']}'", "B's job")
         b = browser.until(shown, "B's mask")
         self.assertGreater(b, 3 * a, "a square of 200 pixels is not shown for one of 500")
         # "Cancel the print?", left open until the print is over.

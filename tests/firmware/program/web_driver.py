@@ -11,7 +11,7 @@ import urllib.request
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
-TAB, ENTER, ESCAPE, RIGHT = "\ue004", "\ue007", "\ue00c", "\ue014"
+TAB, ENTER, ESCAPE, RIGHT, HOME = "\ue004", "\ue007", "\ue00c", "\ue014", "\ue011"
 SECONDS = 60
 
 
@@ -29,7 +29,7 @@ class Browser:
             if port := self.start_driver():
                 break
         self.address = f"http://127.0.0.1:{port}"
-        arguments = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-proxy-server", "--hide-scrollbars",
+        arguments = ["--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--no-proxy-server", "--hide-scrollbars",
                      "--disable-background-networking", "--disable-component-update", f"--user-data-dir={folder}/browser", f"--lang={language}",
                      f"--window-size={columns},{rows}"]
         options = {"binary": CHROMIUM, "args": arguments, "prefs": {"intl.accept_languages": language}}
@@ -130,7 +130,12 @@ class Browser:
         shot = self.cdp("Page.captureScreenshot", captureBeyondViewport=True, clip={**box, "scale": 1})
         return base64.b64decode(shot["data"])
 
+    def shot(self, selector):
+        """@returns an element as PNG"""
+        return base64.b64decode(self.afresh(lambda: self.call("GET", f"/element/{self.find(selector)}/screenshot")))
+
     def messages(self):
         """What the browser complained about since the last call."""
         all_of_them = [one["message"] for one in self.call("POST", "/se/log", {"type": "browser"})]
-        return [one for one in all_of_them if not one.startswith("chrome://")]  # of its own first page, on a busy machine
+        # Not of its own first page, on a busy machine, nor that WebGL is slow without a graphics card.
+        return [one for one in all_of_them if not one.startswith("chrome://") and "GL Driver Message" not in one]
