@@ -44,11 +44,12 @@ Remedies remedies_of(const Told& finding, const JobSettings& job, bool has_suppo
     case PrinterCode::kIsland:
     case PrinterCode::kOverhang:
     case PrinterCode::kFreePiece:
+    case PrinterCode::kTear:
+    case PrinterCode::kFirstLayerArea:
       if (!has_supports) remedies.add("supports", "auto");
       if (has_supports && !is_turned(job)) remedies.add("orient", "auto");
       break;
     case PrinterCode::kNeedle:
-    case PrinterCode::kTear:
     case PrinterCode::kPeelArea:
     case PrinterCode::kPeelJump:
       if (!is_turned(job)) remedies.add("orient", "auto");

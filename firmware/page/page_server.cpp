@@ -31,6 +31,9 @@ constexpr std::string_view kBodyPath = "/upload/body";
 
 using Kind = PrinterQuestion::Kind;
 
+/// A printer that has not answered for so long hangs. It answers between two waits for its stage, lamp or stick.
+constexpr std::chrono::seconds kSilence{5}, kBetweenSigns{2};
+
 constexpr std::string_view kTooManyRequests =
     R"({"ok": false, "error": "too many requests come from this device", "advice": "Wait a moment, then try again", )"
     R"("told": {"code": "requests_too_many", "values": {}}})";
@@ -341,6 +344,10 @@ std::optional<std::size_t> PageServer::take_body(const HttpTicket& ticket, std::
 void PageServer::ended(const HttpTicket& ticket) { uploads_.ended(ticket); }
 
 void PageServer::answer_question(HttpServer& server, const PrinterQuestion& asked, std::string_view line) {
+  if (asked.kind == Kind::kAlive) {
+    if (!std::exchange(lives_, true)) streams_.tell();
+    return;
+  }
   const bool is_done = json_member(line, "ok") == "true";
   const bool for_stream = asked.kind == Kind::kFilePart;
   const bool is_command = asked.kind == Kind::kCommand || asked.kind == Kind::kUpload;
@@ -352,7 +359,8 @@ void PageServer::answer_question(HttpServer& server, const PrinterQuestion& aske
     return server.finish(asked.ticket, {.status = is_command ? 409U : is_stale ? 410U : 404U, .body = line});
   }
   switch (asked.kind) {
-    case Kind::kNone: return;
+    case Kind::kNone:
+    case Kind::kAlive: return;
     case Kind::kUpload:
     case Kind::kCommand: return server.finish(asked.ticket, {.body = line});
     case Kind::kMask: {
@@ -396,6 +404,7 @@ void PageServer::end_questions(HttpServer& server, PrinterLink& link, PrinterQue
     // The printer must not do later what a browser has given up: it carries out no command of a connection that has ended.
     if (&link == &commands_) link.end();
     if (asked->kind == Kind::kUpload) uploads_.answered({});
+    if (asked->kind == Kind::kAlive) continue;
     if (asked->kind == Kind::kFilePart) {
       server.fail(asked->stream);
     } else if (&link == &commands_) {
@@ -425,6 +434,20 @@ void PageServer::receive_replies(HttpServer& server, PrinterLink& link, PrinterQ
   }
 }
 
+/// Asks now and then for something that costs nothing. A process that is stopped keeps its connection.
+void PageServer::look_for_life(HostClock::time_point now) {
+  if (!link_.is_open()) {
+    lives_ = true;  // that it is gone is said by itself
+    return;
+  }
+  const bool waits = questions_.is_asked(Kind::kAlive);
+  if (waits && now - asked_for_life_ > kSilence && std::exchange(lives_, false)) streams_.tell();
+  if (waits || now - asked_for_life_ < kBetweenSigns) return;
+  if (questions_.ask({.kind = Kind::kAlive}, R"("do": "picture", "picture": "part", "from": 9007199254740992)")) {
+    if (lives_) asked_for_life_ = now;
+  }
+}
+
 void PageServer::lose_printer() {
   state_.clear();
   streams_.tell();
@@ -438,7 +461,7 @@ std::optional<std::size_t> PageServer::fill(std::size_t stream, const HttpStream
     questions_.forget(stream);
     streams_.begin(stream);
   }
-  if (what.kind == HttpStream::Kind::kEvents) return streams_.write_event(stream, state_.view(), out);
+  if (what.kind == HttpStream::Kind::kEvents) return streams_.write_event(stream, state_.view(), lives_, out);
   if (const std::size_t written = streams_.write_report(stream, out); written > 0) return written;
   const PrinterQuestion question{.kind = Kind::kFilePart, .stream = stream};
   if (!questions_.ask(question, file_question(what.n, what.job, sent).c_str())) return std::nullopt;
@@ -459,14 +482,15 @@ void PageServer::run(HttpServer& server) {
     commands_.connect(now);
     if (commands_.is_open()) show_code(now);
     was_there = link_.is_open();
+    look_for_life(now);
     uploads_.serve(server, now, commands_.is_open());
     const bool hurries = streams_.hurries();
     if (streams_.wakes(now)) server.wake_all(HttpStream::Kind::kEvents);
     server.run();
     log_.turned_away(server.take_turned_away());
     log_.count(now);
-    const auto until = hurries ? std::min<std::chrono::milliseconds>(server.patience(), PageStreams::kBetweenEvents)
-                               : server.patience();
+    const auto until = std::min<std::chrono::milliseconds>(
+        server.patience(), hurries ? std::chrono::milliseconds(PageStreams::kBetweenEvents) : std::chrono::seconds(1));
     std::array<pollfd, 4> files{};
     files[0] = {.fd = server.descriptor(), .events = POLLIN, .revents = 0};
     files[1] = {.fd = link_.is_open() ? link_.descriptor() : -1, .events = POLLIN, .revents = 0};

@@ -74,6 +74,7 @@ class PageServer final : public HttpHandler {
   void receive_replies(HttpServer& server, PrinterLink& link, PrinterQuestions& questions);
   void answer_question(HttpServer& server, const PrinterQuestion& asked, std::string_view line);
   void lose_printer();
+  void look_for_life(HostClock::time_point now);
   void end_questions(HttpServer& server, PrinterLink& link, PrinterQuestions& questions, HostClock::time_point now);
 
   PageChoice page_;
@@ -87,6 +88,8 @@ class PageServer final : public HttpHandler {
   PrinterLink link_;      ///< for looking
   PrinterLink commands_;  ///< of their own: they wait for no picture, and end with it if the printer does not answer
   StateLine state_;       ///< the newest; empty: there is no connection
+  HostClock::time_point asked_for_life_{};  ///< when the printer was asked last whether it lives
+  bool lives_ = true;                       ///< it has answered, or may still
   AnswerText text_;
   PrinterQuestions questions_{link_};
   PrinterQuestions orders_{commands_};

@@ -19,7 +19,7 @@ void PageStreams::begin(std::size_t place) {
   streams_[place].report_bytes = 0;
 }
 
-std::size_t PageStreams::write_event(std::size_t place, std::string_view state, std::span<char> out) {
+std::size_t PageStreams::write_event(std::size_t place, std::string_view state, bool lives, std::span<char> out) {
   Stream& stream = streams_[place];
   const auto now = HostClock::now();
   std::string_view parts[] = {":", "", "\n\n"};  // a comment: a sign of life
@@ -28,8 +28,8 @@ std::size_t PageStreams::write_event(std::size_t place, std::string_view state, 
       owes_event_ = true;
       return 0;
     }
-    parts[0] = state.empty() ? "event: lost\ndata: " : "data: ";
-    parts[1] = state;
+    parts[0] = state.empty() ? "event: lost\ndata: " : lives ? "data: " : "event: hangs\ndata: ";
+    parts[1] = lives ? state : std::string_view();
   } else if (now - stream.told_at < kSignOfLife) {
     return 0;
   }

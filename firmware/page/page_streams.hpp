@@ -31,8 +31,9 @@ class PageStreams {
   /// A place is taken by a new stream.
   void begin(std::size_t place);
   /// Writes the state, if the browser of this place has not got it and had none a moment ago; else a sign of life, if it is time.
-  /// @param state  empty: the printer does not answer
-  std::size_t write_event(std::size_t place, std::string_view state, std::span<char> out);
+  /// @param state  empty: there is no printer
+  /// @param lives  it answers
+  std::size_t write_event(std::size_t place, std::string_view state, bool lives, std::span<char> out);
   /// A part of a report has come. @returns whether it has any bytes
   bool put_report(std::size_t place, std::string_view base64);
   /// Writes that part. @returns 0: none has come

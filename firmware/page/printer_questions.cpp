@@ -43,6 +43,10 @@ std::optional<PrinterQuestion> PrinterQuestions::take_late(HostClock::time_point
   return std::nullopt;
 }
 
+bool PrinterQuestions::is_asked(Kind kind) const {
+  return std::ranges::find(list_, kind, &PrinterQuestion::kind) != list_.end();
+}
+
 void PrinterQuestions::forget(std::size_t stream) {
   for (PrinterQuestion& question : list_) {
     if (question.kind == Kind::kFilePart && question.stream == stream) question = {};

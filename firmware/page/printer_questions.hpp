@@ -14,7 +14,7 @@
 namespace plumbline::firmware::inline page {
 
 struct PrinterQuestion {
-  enum class Kind : std::uint8_t { kNone, kCommand, kUpload, kPicture, kMask, kFileBegin, kFilePart };
+  enum class Kind : std::uint8_t { kNone, kCommand, kUpload, kPicture, kMask, kFileBegin, kFilePart, kAlive };
   Kind kind = Kind::kNone;
   std::uint64_t id = 0;
   HttpTicket ticket{};
@@ -49,6 +49,8 @@ class PrinterQuestions {
   std::optional<PrinterQuestion> take(std::optional<std::uint64_t> id);
   /// The same for one that has waited too long. @param all  or any other
   std::optional<PrinterQuestion> take_late(HostClock::time_point now, bool all);
+  /// Whether a question of this kind waits for its answer.
+  bool is_asked(PrinterQuestion::Kind kind) const;
   /// Nobody waits for what a stream has asked.
   void forget(std::size_t stream);
 

@@ -167,6 +167,14 @@ function makeLayerView(canvas, address, told, tapped) {
       missing = null;
       draw();
     },
+    // Looks at a part of the panel, [first, end] across and along, unless somebody has looked closer.
+    fit(box) {
+      if (scale !== least || !canvas.clientWidth) return;
+      const room = box.map(([first, end], axis) => [canvas.clientWidth, canvas.clientHeight][axis] / (1.2 * (end - first)));
+      scale = Math.max(least * 1.001, Math.min(40, ...room));
+      middle = box.map(([first, end]) => (first + end) / 2);
+      keepInside();
+    },
     // Looks closely at a pixel.
     lookAt(x, y) {
       scale = Math.max(scale, 2);

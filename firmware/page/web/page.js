@@ -336,7 +336,7 @@ function coverageLegend() {
   return list;
 }
 function showPictures() {
-  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && name !== "part" && name !== "proposal" && !(view && state.pictures.part && ["preview", "coverage"].includes(name)));
+  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && name !== "part" && name !== "proposal" && !(view && state.pictures.part && ["preview", "coverage", "issues"].includes(name)));
   $("pictures").hidden = there.length === 0;
   const names = there.map(([name]) => name);
   fill($("pictures"), names, () => [$("pictures").firstElementChild, ...names.map((name) => {
@@ -354,7 +354,9 @@ function showPictures() {
 // The part in 3D (part.js). Where a browser has no WebGL 2 the preview stays.
 const view = makePartView($("view"), (text) => {
   show("loading", text !== "", text === null ? words.noModel : `${words.modelComes} ${text}`);
-  if (text === "") showPart();
+  if (text !== "") return;
+  showPart();
+  if (!$("layers").hidden) layerView.fit(view.box.map((ends, axis) => ends.map((mm) => mm / state.sliced.mask_pixel_mm[axis])));
 });
 for (const [id, yaw, pitch] of [["from-front", 0, 0], ["from-left", -Math.PI / 2, 0], ["from-above", 0, Math.PI / 2]]) $(id).onclick = () => view.look(yaw, pitch);
 const inside = (id) => $(id).querySelector("input");
@@ -579,14 +581,16 @@ function size(bytes) {
 }
 
 // Settings: name, label, kind, the printer's value, and what to send for what was entered.
-const angles = (value) => [...new Set(["-90", "0", "90", "180", String(value)])].map((angle) => [angle, `${number(Number(angle), 0)}°`]);
 const heights = () => [["", words.ofProfile], ...[0.025, 0.03, 0.05, 0.1].map((mm) => [String(mm), `${number(mm, 3)} mm`]), ["adaptive", words.adaptive]];
 const settings = [
   ["profile", words.profile, () => state.profiles.map((name) => [name, name]), (job) => job.profile, (value) => ["profile", value]],
   ["height", words.heightMm, "number", (job) => job.size && job.size.side === "height" ? job.size.mm : "",
    (value) => value ? ["height", `${value}mm`] : ["scale", "1"]],
-  ["rotate_z_deg", words.turn, angles, (job) => job.rotate_z_deg, (value) => ["rotate_z_deg", value]],
-  ["rotate_x_deg", words.tilt, angles, (job) => job.rotate_x_deg, (value) => ["rotate_x_deg", value]],
+  ["units", words.units, () => ["mm", "cm", "m", "in", "auto"].map((unit) => [unit, unit === "auto" ? words.unitAuto : unit]), (job) => job.units, (value) => ["units", value]],
+  ["scale", words.scale, "number", (job) => job.size || job.fit ? "" : job.scale, (value) => ["scale", value || "1"]],
+  ["fit", words.fit, () => [["false", words.no], ["true", words.yes]], (job) => job.fit, (value) => ["fit", value]],
+  ...["z", "x", "y"].map((axis) => [`rotate_${axis}_deg`, `${axis === "z" ? words.turn : words.tilt} (${axis})`, "number", (job) => job[`rotate_${axis}_deg`],
+                                    (value) => [`rotate_${axis}_deg`, value || "0"]]),
   ["supports", words.supports, () => [["", words.ofProfile], ["auto", words.auto], ["none", words.none]], (job) => job.supports || "",
    (value) => ["supports", value]],
   ["layer_height", words.layerHeight, heights, (job) => job.layer_height || "", (value) => ["layer_height", value]],
@@ -597,7 +601,7 @@ function makeSettings() {
     const id = `set-${name}`, isList = typeof kind === "function";
     const input = element(isList ? "select" : "input", undefined, {id});
     if (!isList) input.type = kind;
-    if (kind === "number") Object.assign(input, {min: 0, step: "any"});
+    if (kind === "number") Object.assign(input, name.startsWith("rotate") ? {min: -360, max: 360, step: 15} : {min: 0, step: "any"});
     input.onchange = () => {
       const [key, value] = toSend(input.value);
       command({do: "set", key, value, ...jobId() && {for: jobId()}});
@@ -771,6 +775,7 @@ function listen() {
     take(JSON.parse(event.data));
   };
   events.addEventListener("lost", () => lose(words.noDaemon));
+  events.addEventListener("hangs", () => lose(words.hangs));
   events.onerror = () => {
     if (events.readyState === EventSource.CLOSED) return lookNowAndThen(10);
     lose(words.lost);

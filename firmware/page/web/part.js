@@ -83,10 +83,11 @@ class Growing {
   }
 }
 
-// Places in mm, and with each a normal of three bytes and what it rests on; triangles of three indices. Gives way to the page now and then.
+// Places in mm, and with each a normal of three bytes and what it rests on; triangles of three indices, counterclockwise from outside. Gives way to
+// the page now and then.
 async function surfaceOf(model, cells, level) {
-  const [dx, dy, dz] = model.dims, {low, cell} = model;
-  const places = new Growing(Float32Array, 1 << 18), normals = new Growing(Int8Array, 1 << 18), corners = new Growing(Uint32Array, 1 << 19);
+  const [dx, dy, dz] = model.dims;
+  const places = new Growing(Float32Array, 1 << 18), rests = new Growing(Uint8Array, 1 << 16), corners = new Growing(Uint32Array, 1 << 19);
   const steps = [0, 1, dx, dx + 1, dx * dy, dx * dy + 1, dx * dy + dx, dx * dy + dx + 1];
   let below = new Int32Array(dx * dy), here = new Int32Array(dx * dy), vertices = 0, pausedAt = performance.now();
   const v = new Float32Array(8);
@@ -113,11 +114,11 @@ async function surfaceOf(model, cells, level) {
         right = bits(x + 1);
         const inside = left | right << 1;
         if (inside === 0 || inside === 255) continue;
-        let rests = 0;
+        let worst = 0;
         for (let k = 0; k < 8; ++k) {
           const one = cells[row + x + steps[k]];
           v[k] = one & fullCell;
-          rests = Math.max(rests, one >> 6);
+          worst = Math.max(worst, one >> 6);
         }
         let sx = 0, sy = 0, sz = 0, cut = 0;
         for (let k = 0; k < 8; ++k) {
@@ -131,19 +132,12 @@ async function surfaceOf(model, cells, level) {
           }
         }
         places.reserve(3);
-        normals.reserve(4);
+        rests.reserve(1);
         // Shares stand for the middles of cells, and the border is one cell wide.
-        places.data[places.size++] = low[0] + (x - 0.5 + sx / cut) * cell[0];
-        places.data[places.size++] = low[1] + (y - 0.5 + sy / cut) * cell[1];
-        places.data[places.size++] = low[2] + (z - 0.5 + sz / cut) * cell[2];
-        const gx = (v[0] + v[2] + v[4] + v[6] - v[1] - v[3] - v[5] - v[7]) / cell[0];
-        const gy = (v[0] + v[1] + v[4] + v[5] - v[2] - v[3] - v[6] - v[7]) / cell[1];
-        const gz = (v[0] + v[1] + v[2] + v[3] - v[4] - v[5] - v[6] - v[7]) / cell[2];
-        const long = 127 / (Math.hypot(gx, gy, gz) || 1);
-        normals.data[normals.size++] = gx * long;
-        normals.data[normals.size++] = gy * long;
-        normals.data[normals.size++] = gz * long;
-        normals.data[normals.size++] = rests;
+        places.data[places.size++] = x - 0.5 + sx / cut;
+        places.data[places.size++] = y - 0.5 + sy / cut;
+        places.data[places.size++] = z - 0.5 + sz / cut;
+        rests.data[rests.size++] = worst;
         const at = y * dx + x;
         here[at] = vertices++;
         const solid = inside & 1;
@@ -154,7 +148,48 @@ async function surfaceOf(model, cells, level) {
     }
     [below, here] = [here, below];
   }
-  return {places: places.data.subarray(0, places.size), normals: normals.data.subarray(0, normals.size), corners: corners.data.subarray(0, corners.size)};
+  return smoothed(model, places.data.subarray(0, places.size), rests.data, corners.data.subarray(0, corners.size));
+}
+
+// Cells of single pixels are full or empty, which makes stairs of slopes. Each vertex moves to the middle of its neighbours, by half a cell at
+// most. Then places become mm, and normals those of the triangles around.
+function smoothed({low, cell}, places, rests, corners) {
+  const count = places.length / 3, sums = new Float32Array(places.length), degree = new Uint16Array(count), was = places.slice();
+  for (let pass = 0; pass < 4; ++pass) {
+    sums.fill(0);
+    degree.fill(0);
+    for (let i = 0; i < corners.length; i += 3) {
+      for (let k = 0; k < 3; ++k) {
+        const to = corners[i + k], from = corners[i + (k + 1) % 3];
+        ++degree[to];
+        for (let axis = 0; axis < 3; ++axis) sums[3 * to + axis] += places[3 * from + axis];
+      }
+    }
+    for (let i = 0; i < places.length; ++i) {
+      const d = degree[i / 3 | 0];
+      if (d) places[i] = Math.max(was[i] - 0.5, Math.min(was[i] + 0.5, (places[i] + sums[i] / d) / 2));
+    }
+  }
+  for (let i = 0; i < places.length; ++i) places[i] = low[i % 3] + places[i] * cell[i % 3];
+  sums.fill(0);
+  for (let i = 0; i < corners.length; i += 3) {
+    const [a, b, c] = [3 * corners[i], 3 * corners[i + 1], 3 * corners[i + 2]];
+    const [ux, uy, uz] = [places[b] - places[a], places[b + 1] - places[a + 1], places[b + 2] - places[a + 2]];
+    const [vx, vy, vz] = [places[c] - places[a], places[c + 1] - places[a + 1], places[c + 2] - places[a + 2]];
+    const [x, y, z] = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
+    for (const at of [a, b, c]) {
+      sums[at] += x;
+      sums[at + 1] += y;
+      sums[at + 2] += z;
+    }
+  }
+  const normals = new Int8Array(4 * count);
+  for (let i = 0; i < count; ++i) {
+    const long = 127 / (Math.hypot(sums[3 * i], sums[3 * i + 1], sums[3 * i + 2]) || 1);
+    for (let axis = 0; axis < 3; ++axis) normals[4 * i + axis] = sums[3 * i + axis] * long;
+    normals[4 * i + 3] = rests[i];
+  }
+  return {places, normals, corners};
 }
 
 const partShaders = [`#version 300 es
@@ -328,6 +363,7 @@ function makePartView(canvas, say) {
     meshes = surfaces.map(({surface, ...of}) => ({...of, ...meshOf(surface)}));
     view.hasSupports = Boolean(next.supports);
     view.hasEvidence = next.evidence;
+    view.box = [0, 1].map((axis) => [next.low[axis], next.low[axis] + (next.dims[axis] - 2) * next.cell[axis]]);  // x and y, mm
     next.object = next.supports = null;
     model = next;
     say("");
@@ -391,7 +427,7 @@ function makePartView(canvas, say) {
   reset();
 
   const view = {
-    frames: 0, hasSupports: false, hasEvidence: false, look, reset, turnBy, placeOf,
+    frames: 0, box: null, hasSupports: false, hasEvidence: false, look, reset, turnBy, placeOf,
     show(url) {
       if (url === wanted) return;
       wanted = url;

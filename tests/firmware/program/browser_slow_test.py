@@ -10,10 +10,11 @@ import time
 import unittest
 from pathlib import Path
 
-from case import main, write_sphere
+from case import box, main, write_sphere
 from glances_test import LAYER, RED, archive_of, rgb_png
 from sliced_test import png, square
 from page_client import PagePrinter
+from rgb_picture import rows_of
 from state_client import same_age
 from web_driver import CHROMIUM, DRIVER, ENTER, ESCAPE, HOME, RIGHT, TAB, Browser
 
@@ -158,18 +159,18 @@ class BrowserTest(PagePrinter):
         # An archive has its slicer's thumbnail, and of the settings only the profile.
         browser.until("const i = document.querySelector('#scans li:nth-child(4) img'); return !i.hidden && i.complete && i.naturalWidth === 64", "a thumbnail")
         shown = "[...document.querySelectorAll('#form select, #form input')].filter((e) => e.checkVisibility()).map((e) => e.id)"
-        self.assertEqual(len(browser.run(f"return {shown}")), 6)
+        self.assertEqual(len(browser.run(f"return {shown}")), 10)
         browser.click("#scans li:nth-child(4) button")
         browser.until(f"return {shown}.join() === 'set-profile'", "the profile alone")
         self.look("archive")
         self.tab_to("#scans li:nth-child(3) button")
         browser.press(ENTER)
         browser.until("return document.querySelector('#scans li:nth-child(3) button').ariaPressed === 'true'", "the third scan")
-        browser.until(f"return {shown}.length === 6", "all settings")
+        browser.until(f"return {shown}.length === 10", "all settings")
         self.tab_to("#set-height")
         browser.type("#set-height", "5")
         browser.press(TAB)
-        browser.until("return document.activeElement.id === 'set-rotate_z_deg'", "the next setting")
+        browser.until("return document.activeElement.id === 'set-units'", "the next setting")
         browser.type("#set-layer_height", "0.1\t")
         browser.until("return document.querySelector('#set-height').value === '5' && document.querySelector('#set-layer_height').value === '0.1'",
                       "the settings")
@@ -185,11 +186,9 @@ class BrowserTest(PagePrinter):
         self.tab_to("#proposals li:nth-child(3) button")
         browser.press(ENTER)
         browser.until("return document.querySelector('#proposals li:nth-child(3) button').ariaPressed === 'true'", "the second way up")
-        # Its angle is one of the choices, in degrees like the others, and of that list only.
-        for name, most in (("rotate_x_deg", 5), ("rotate_z_deg", 4)):
-            choices = browser.run(f"return [...document.querySelectorAll('#set-{name} option')].map((option) => option.textContent)")
-            self.assertTrue(all(choice.endswith("°") for choice in choices), choices)
-            self.assertLessEqual(len(choices), most, choices)
+        # Its angles stand in the fields.
+        degrees = browser.run("return ['x', 'y', 'z'].map((axis) => Number(document.querySelector(`#set-rotate_${axis}_deg`).value))")
+        self.assertEqual(degrees[:2], browser.run("return [state.job.rotate_x_deg, state.job.rotate_y_deg]"))
         self.look("ways")
         browser.until("return document.querySelector('[data-do=start]:not([aria-disabled=true])')", "the button")
         self.tab_to("[data-do=start]")
@@ -258,6 +257,85 @@ class BrowserTest(PagePrinter):
         # Nothing came from elsewhere.
         hosts = browser.run("return [...new Set(performance.getEntriesByType('resource').map((e) => new URL(e.name).host))]")
         self.assertEqual(hosts, [f"127.0.0.1:{self.port}"])
+
+    def silhouette(self, layers):
+        """@returns for each layer of what is offered the columns of the panel in which something is lit"""
+        lit = []
+        for n in range(layers):
+            _, rows = rows_of(self.get(f"/mask?n={n}&x=400&y=960&step=1"))
+            lit.append({400 + x for row in rows if any(row) for x in range(len(row) // 3) if row[3 * x]})
+        return lit
+
+    def test_the_part_in_3d_is_that_of_the_masks(self):
+        """Its outline from the front is that of all masks together, to a pixel."""
+        boxes = [((0, 0, 0), (8, 6, 1.5)), ((0.5, 2, 1), (2.5, 4, 8)), ((2, 2.5, 6), (7, 3.5, 7.2)), ((5.5, 2.5, 1), (6.1, 3.1, 6.5))]
+        (self.dir / "arch.stl").write_text("solid arch\n" + "".join(box(*one) for one in boxes) + "endsolid arch\n")
+        _, user = self.start(printer=self.page_board("local"))
+        self.start_page()
+        self.browser = browser = Browser(self, self.dir)
+        browser.size(1440, 900)
+        browser.open(f"http://127.0.0.1:{self.port}/")
+        self.stick.mkdir()
+        (self.dir / "arch.stl").rename(self.stick / "arch.stl")
+        user.state("offered", "start")
+        user.do("set", key="supports", value="none")
+        user.do("start")
+        sliced = user.until(lambda s: s["state"] == "offered" and s["masks"] and s["commands"], "sliced")["sliced"]
+        lit = self.silhouette(sliced["layers"])
+        browser.until("return view.frames > 0 && !document.querySelector('#part').hidden && document.querySelector('#loading').hidden", "the part")
+        browser.click("#from-front")
+        time.sleep(0.5)
+        columns, rows = rows_of(browser.shot("#view"))
+        size = len(rows[0]) // columns
+        seen = [[max(row[size * x : size * x + 3]) > 45 for x in range(columns)] for row in rows]
+        pitch, high = sliced["mask_pixel_mm"][0], sliced["layer_height_mm"]
+        (left, bottom), (right, top) = browser.run("return [view.placeOf([0, 0, 0]), view.placeOf([10, 0, 10])]")
+
+        def is_lit(u, v):
+            layer, column = int((v + 0.5 - bottom) / (top - bottom) * 10 / high // 1), int((u + 0.5 - left) / (right - left) * 10 / pitch // 1)
+            return 0 <= layer < len(lit) and column in lit[layer]
+
+        expected = [[is_lit(u, v) for u in range(len(seen[0]))] for v in range(len(seen))]
+
+        def edges(image):
+            return {(u, v) for v in range(1, len(image) - 1) for u in range(1, len(image[0]) - 1)
+                    if image[v][u] and not (image[v - 1][u] and image[v + 1][u] and image[v][u - 1] and image[v][u + 1])}
+
+        drawn, true = edges(seen), edges(expected)
+        self.assertGreater(len(true), 1000)
+        for some, others in ((drawn, true), (true, drawn)):
+            near = sum(any((u + a, v + b) in others for a in (-1, 0, 1) for b in (-1, 0, 1)) for u, v in some)
+            self.assertGreater(near / len(some), 0.95)
+
+    def test_a_finding_is_mended_by_its_button(self):
+        # A ball that hangs over its own foot, and nobody wants supports.
+        _, user = self.start(printer=self.page_board("local"))
+        self.start_page()
+        self.browser = browser = Browser(self, self.dir, language="de")
+        browser.open(f"http://127.0.0.1:{self.port}/")
+        self.put_stick({"ball.ply": 3.0})
+        user.state("offered", "start")
+        user.do("set", key="supports", value="none")
+        self.do("start")
+        self.until_state("offered", "state.masks && document.querySelectorAll('#findings li button').length > 1")
+        self.look("befund")
+        # Where it is: the layer, and its mark in 3D.
+        before = browser.run("return document.querySelector('#layer').value")
+        browser.click("#findings li button:not([data-key])")
+        browser.until(f"return document.querySelector('#layer').value !== '{before}'", "its layer")
+        browser.until("return layerView.facts().scale >= 2", "from near")
+        job = browser.run("return jobId()")
+        self.tab_to("#findings li button[data-key=supports]")
+        self.assertEqual(browser.run("return document.activeElement.textContent"), "Stützen hinzufügen")
+        browser.press(ENTER)
+        browser.until(f"return state.state === 'offered' && state.masks && jobId() !== '{job}' && state.job.supports === 'auto'", "sliced again")
+        browser.until("return !document.querySelector('#findings [data-key=supports]')", "it is mended")
+        # Back to the settings, where the supports are as the button has made them; and the usual ones again.
+        self.do("settings")
+        self.until_state("offered", "!document.querySelector('#settings').hidden && document.querySelector('#set-supports').value === 'auto'")
+        browser.click("#reset")
+        browser.until("return document.querySelector('#set-supports').value === ''", "the usual settings")
+        self.look("einstellungen")
 
     def test_a_scan_is_uploaded_and_printed(self):
         self.start(speedup=200, printer=self.page_board("local"))
@@ -385,7 +463,7 @@ class BrowserTest(PagePrinter):
             user.do("start", **{"for": asked["asks"]})
             return user.until(lambda s: s["state"] == "offered" and s["masks"] and s["commands"], "sliced")
 
-        shown = "return layerView.facts().light"
+        shown = "const f = layerView.facts(); return f.light * f.step * f.step"
         slice_scan(1)
         a = browser.until(shown, "A's mask")
         # Slider and picture numbers are the same for B after a restart.

@@ -158,6 +158,20 @@ class Page(PagePrinter):
         changed = until(lambda s: s["state"] == "offered" and s["job"]["scale"] == 0.5)
         self.assertIsNone(changed["job"]["layer_height"])
 
+    def test_a_printer_that_hangs_is_said_until_it_goes_on(self):
+        daemon, _ = self.start(printer=self.page_board("local"))
+        self.start_page()
+        until = self.events()
+        until(lambda s: s["state"] == "idle")
+        daemon.send_signal(signal.SIGSTOP)
+        self.addCleanup(daemon.send_signal, signal.SIGCONT)
+        stopped = time.monotonic()
+        until(lambda s: s["state"] is None)
+        self.assertLess(time.monotonic() - stopped, 9)
+        self.assertEqual(json.loads(self.get("/state"))["state"], "idle", "its connection is there, so that it was")
+        daemon.send_signal(signal.SIGCONT)
+        until(lambda s: s["state"] == "idle")
+
     def stored(self):
         return sorted(path.name for path in (self.folder / "uploads").iterdir())
 

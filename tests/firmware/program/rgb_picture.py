@@ -5,8 +5,12 @@ import zlib
 
 
 def rgb_rows(path, most=None):
-    """(columns, the first rows of pixels) of a PNG."""
-    data = path.read_bytes()
+    """(columns, the first rows of pixels) of a PNG file."""
+    return rows_of(path.read_bytes(), most)
+
+
+def rows_of(data, most=None):
+    """(columns, the first rows of pixels) of a PNG: 3 bytes a pixel, or 4 with its opacity."""
     at, stream, palette = 8, b"", None
     while at < len(data):
         length, kind = struct.unpack(">I4s", data[at : at + 8])
@@ -18,7 +22,7 @@ def rgb_rows(path, most=None):
         elif kind == b"IDAT":
             stream += body
         at += 12 + length
-    bits = depth * (3 if colour == 2 else 1)  # grey and palette: 1
+    bits = depth * {2: 3, 6: 4}.get(colour, 1)  # grey and palette: 1
     width, step = (columns * bits + 7) // 8, max(1, bits // 8)
     raw, before, lines = zlib.decompress(stream), bytearray(width), []
     for r in range(min(rows, most or rows)):
