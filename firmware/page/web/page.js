@@ -741,7 +741,22 @@ function showLists() {
   $("report").hidden = !state.report;
 }
 // The last prints, which the printer gives out only while it is at rest: as it does with the last one's report.
+let wantsAgain = null;  // the scan that somebody wants once more, until what is on the stick is offered
+function printAgain(scan) {
+  wantsAgain = scan;
+  if (state.commands.includes("offer")) return command({do: "offer"});
+  return chooseAgain();
+}
+function chooseAgain() {
+  if (!wantsAgain || state.state !== "offered" || state.sliced) return;
+  const scan = state.stick.scans.find(({name}) => name === wantsAgain);
+  show("notice", !scan, `${wantsAgain}: ${words.notThere}`);
+  wantsAgain = null;
+  if (scan && state.commands.includes("choose")) command({do: "choose", scan: scan.number, ...state.asks && {for: state.asks}});
+  if (scan) $("now").scrollIntoView();
+}
 function showPrints() {
+  chooseAgain();
   $("prints").hidden = !state.report || state.prints.length === 0;
   if ($("prints").hidden) return;
   fill($("prints").querySelector("ul"), state.prints, () => state.prints.map((print) => {
@@ -752,9 +767,14 @@ function showPrints() {
       `${number(print.resin_ml, 1)} ml${ended && ` · ${ended}`}`;
     const link = element("a", words.downloadOf, {href: `/report.json?n=${print.number}`, download: `print-${print.number}.json`});
     link.setAttribute("aria-label", `${words.downloadOf}: ${print.scan}, ${ended}`);
-    line.append(name, element("div", facts), link);
+    const again = element("button", words.printAgain, {type: "button", "data-scan": print.scan});
+    again.setAttribute("aria-label", `${words.printAgain}: ${print.scan}`);
+    again.onclick = () => printAgain(print.scan);
+    line.append(name, element("div", facts), link, again);
     return line;
   }));
+  const may = state.commands.includes("offer") || (state.state === "offered" && !state.sliced);
+  for (const button of $("prints").querySelectorAll("button")) button.hidden = !may;
 }
 
 function render() {

@@ -254,6 +254,13 @@ class BrowserTest(PagePrinter):
         # The part is off. What is on the stick is offered again.
         self.do("plate-empty")
         self.until_state("offered")
+        # Once more, whatever has been chosen since.
+        browser.click("#scans li:nth-child(1) button")
+        browser.until("return state.job.number === 1", "another scan")
+        browser.until("return !document.querySelector('#prints button').hidden", "the last prints")
+        printed = browser.run("return document.querySelector('#prints button').dataset.scan")
+        browser.click("#prints button")
+        browser.until(f"return state.job.scan === '{printed}' && state.job.number === 3", "the scan that was printed")
         # Nothing came from elsewhere.
         hosts = browser.run("return [...new Set(performance.getEntriesByType('resource').map((e) => new URL(e.name).host))]")
         self.assertEqual(hosts, [f"127.0.0.1:{self.port}"])
@@ -324,12 +331,18 @@ class BrowserTest(PagePrinter):
         browser.click("#findings li button:not([data-key])")
         browser.until(f"return document.querySelector('#layer').value !== '{before}'", "its layer")
         browser.until("return layerView.facts().scale >= 2", "from near")
+        # Somebody else looks, too.
+        (self.dir / "other").mkdir()
+        other = Browser(self, self.dir / "other")
+        other.open(f"http://127.0.0.1:{self.port}/")
+        other.until("return document.querySelectorAll('#findings li button').length > 1", "the same findings")
         job = browser.run("return jobId()")
         self.tab_to("#findings li button[data-key=supports]")
         self.assertEqual(browser.run("return document.activeElement.textContent"), "Stützen hinzufügen")
         browser.press(ENTER)
         browser.until(f"return state.state === 'offered' && state.masks && jobId() !== '{job}' && state.job.supports === 'auto'", "sliced again")
         browser.until("return !document.querySelector('#findings [data-key=supports]')", "it is mended")
+        other.until("return state.masks && !document.querySelector('#findings [data-key=supports]')", "the other one sees it")
         # Back to the settings, where the supports are as the button has made them; and the usual ones again.
         self.do("settings")
         self.until_state("offered", "!document.querySelector('#settings').hidden && document.querySelector('#set-supports').value === 'auto'")
