@@ -312,6 +312,7 @@ function showNow() {
     show("fault-told", told !== "", told);
     show("fault-meaning", true, known ? known.meaning : fault.meaning);
     show("fault-remedy", true, texts && texts[1] || (known ? known.remedy : fault.remedy));
+    $("fault-mend").hidden = !(fault.told && ["too_wide", "too_deep", "too_high"].includes(fault.told.code) && (state.stick.present || state.stored));
     // It has the file's own words and places, which no table has.
     show("fault-wording", Boolean(known && fault.message), `${words.wording}: ${fault.message}`);
   }
@@ -327,6 +328,18 @@ function showNow() {
   const left = progress && Math.max(0, progress.left_s - (progress.ends_at && !state.simulated ? (performance.now() - tookAt) / 1000 : 0));
   show("left", Boolean(waits), waits ? `${Math.floor(100 * done)} % · ${words.locale === "de-DE" ? `${words.left} ${duration(left)}` : `${duration(left)} ${words.left}`}` : "");
 }
+// What does not fit is offered again, fitted to the plate, and sliced.
+async function until(holds) {
+  for (let waited = 0; waited < 100 && !holds(); ++waited) await new Promise((go) => setTimeout(go, 100));
+}
+$("fault-mend").firstElementChild.onclick = async () => {
+  await command({do: "seen", ...state.asks && {for: state.asks}});
+  await until(() => state.state !== "fault");
+  if (state.commands.includes("offer")) await command({do: "offer"});
+  await until(() => state.state === "offered");
+  await command({do: "set", key: "fit", value: "true", ...jobId() && {for: jobId()}});
+  if (state.job && state.job.fit) await command({do: "start", ...state.asks && {for: state.asks}});
+};
 // Numbers begin again when the printer's software does. With the job's id no picture is taken for that of another one.
 const ofJob = () => jobId() ? `job=${jobId()}&` : "";
 // What the colours of the picture of the scanned surface mean.
@@ -855,7 +868,7 @@ function sayWords() {
   put("#stop-upload", words.uploadStop);
   put("#stored button", words.remove);
   $("sent").setAttribute("aria-label", words.uploading);
-  for (const [id, text] of [["with-ghost span", words.withGhost], ["reset", words.reset], ["mask-hint", words.maskHint], ["place-before", words.placeBefore], ["place-next", words.placeNext]]) put(`#${id}`, text);
+  for (const [id, text] of [["with-ghost span", words.withGhost], ["fault-mend button", words.mend_fit], ["reset", words.reset], ["mask-hint", words.maskHint], ["place-before", words.placeBefore], ["place-next", words.placeNext]]) put(`#${id}`, text);
   $("mask").setAttribute("aria-label", words.masksAlt);
   $("language").setAttribute("aria-label", words.language);
   $("language").append(...Object.keys(texts).map((code) => element("option", texts[code].ownName, {value: code})));

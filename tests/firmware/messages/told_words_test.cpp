@@ -53,14 +53,13 @@ TEST(ToldWords, EachCodeHasAGermanText) {
   }
 }
 
-// At a terminal there are options, at the printer there are settings and a job file.
+// At a terminal there are options, at the printer there are settings.
 TEST(ToldWords, WhatToDoIsSaidInWordsOfTheOneWhoReads) {
   const Told by_scale(ToldCode::kTooHigh, {{Fact::kMostScale, 0.32}});
   EXPECT_EQ(at_terminal(by_scale, "It is too high").view(),
             "It is too high. Use --scale 0.32 or less, --fit, or rotate it.");
   EXPECT_EQ(at_printer(by_scale, "It is too high").view(),
-            "It is too high. Under Settings, tilt it or print it smaller, or set scale = 0.32 or less in job.toml on "
-            "the stick.");
+            "It is too high. Under Settings, fit it to the plate, tilt it or print it smaller: scale 0.32 or less.");
   const Told by_size(ToldCode::kTooHigh, {{Fact::kMostMm, 61.5}}, "height");
   EXPECT_EQ(at_terminal(by_size, "It is too high").view(),
             "It is too high. Use --height 61.5mm or less, --fit, or rotate it.");

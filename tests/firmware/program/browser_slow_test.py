@@ -350,6 +350,22 @@ class BrowserTest(PagePrinter):
         browser.until("return document.querySelector('#set-supports').value === ''", "the usual settings")
         self.look("einstellungen")
 
+    def test_what_is_too_large_is_fitted_by_one_press(self):
+        _, user = self.start(printer=self.page_board("local"))
+        self.start_page()
+        self.browser = browser = Browser(self, self.dir)
+        browser.open(f"http://127.0.0.1:{self.port}/")
+        self.put_stick({"globe.ply": 120.0})
+        self.until_state("offered")
+        self.do("start")
+        self.until_state("fault", "!document.querySelector('#fault-mend').hidden")
+        self.assertNotIn("job.toml", browser.run("return document.querySelector('#fault').innerText"))
+        self.look("too-large")
+        browser.click("#fault-mend button")
+        sliced = user.until(lambda s: s["state"] == "offered" and s["sliced"] and s["masks"], "sliced")
+        self.assertTrue(sliced["job"]["fit"])
+        self.assertLess(sliced["sliced"]["width_mm"], 70)
+
     def test_a_scan_is_uploaded_and_printed(self):
         self.start(speedup=200, printer=self.page_board("local"))
         self.start_page()

@@ -50,7 +50,7 @@ class Settings(StatePrinter):
         user.do("settings", **{"for": asked["job"]["id"]})
         back = self.offered(user)
         self.assertNotEqual(back["job"]["id"], asked["job"]["id"])
-        self.assertEqual((back["findings"], back["masks"], back["pictures"]["preview"], back["pictures"]["side"]), ([], False, None, None))
+        self.assertEqual((back["findings"], back["masks"], back["pictures"]["preview"], back["pictures"]["part"]), ([], False, None, None))
 
         def same(state):
             job = state["job"]

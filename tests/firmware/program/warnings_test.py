@@ -102,7 +102,8 @@ class PrinterWarnings(StatePrinter):
         self.assertAlmostEqual(told[0]["values"]["width_mm"], 40, delta=0.1)
         self.assertAlmostEqual(told[0]["values"]["depth_mm"], 40, delta=0.1)
         self.assertAlmostEqual(told[0]["values"]["height_mm"], 3.5, delta=0.3)
-        self.assertTrue(any('floor = "keep"' in finding["text"] for finding in ready["findings"]), ready["findings"])
+        self.assertIn({"key": "floor", "value": "keep"}, [remedy for finding in ready["findings"] for remedy in finding["remedies"]])
+        self.assertFalse(any("job.toml" in finding["text"] for finding in ready["findings"]), "nobody here has one")
 
 
 if __name__ == "__main__":

@@ -215,15 +215,20 @@ TEST(StateLine, SaysWhatThePrinterTakes) {
 
 TEST(StateLine, HasWhatIsToldAsACodeWithItsValues) {
   PrinterRecord record;
+  Remedies remedies;
+  remedies.add("supports", "auto");
   record.add_finding(Severity::kWarning, "3 islands",
-                     {PrinterCode::kIsland, {{Fact::kCount, 3}, {Fact::kAreaMm2, 113.25}, {Fact::kLayer, 702}}});
+                     {PrinterCode::kIsland, {{Fact::kCount, 3}, {Fact::kAreaMm2, 113.25}, {Fact::kLayer, 702}}},
+                     remedies, {.mm = {{{1, 2, 35.1}}}, .count = 1});
   record.add_finding(Severity::kNote, "no code");
   record.question_told = {PrinterCode::kProfileUnknown, {}, "fine"};
   StateLine line;
   ASSERT_TRUE(write_state_line(line, record, 1));
   EXPECT_EQ(json_member(line.view(), "findings"),
             R"([{"severity": "warning", "text": "3 islands", "told": {"code": "island", "values": {"count": 3, )"
-            R"("area_mm2": 113.25, "layer": 702}}}, {"severity": "note", "text": "no code", "told": null}])");
+            R"("area_mm2": 113.25, "layer": 702}}, "remedies": [{"key": "supports", "value": "auto"}], )"
+            R"("places_mm": [[1, 2, 35.1]]}, {"severity": "note", "text": "no code", "told": null, "remedies": [], )"
+            R"("places_mm": []}])");
   EXPECT_EQ(json_member(line.view(), "question_told"), R"({"code": "profile_unknown", "values": {}, "name": "fine"})");
   EXPECT_EQ(json_member(line.view(), "message_told"), "null");
 }
