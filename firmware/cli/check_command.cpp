@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/options/help_format.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/reports/issues_file.hpp"
 #include "firmware/cli/terminal_job.hpp"
@@ -215,6 +216,8 @@ CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
       ->description(
           "A folder of layers as PNG files, an archive (.sl1, .sl1s, .zip, .cws, .uvj, .nanodlp), or the files of a "
           "scan or mesh");
+  show_basic(*command, {"--printer", "--layer-height", "--pixel-pitch", "--units", "--height", "--orient", "--rotate-x",
+                        "--supports", "--check", "--accept", "--picture", "--verbose", "--json"});
   return command;
 }
 

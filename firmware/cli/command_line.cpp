@@ -23,7 +23,7 @@ constexpr const char* kAbout =
     "  plumbline simulate bust.ply                        the same on the printer's page, in a browser\n"
     "\n"
     "On a printer's board: 'plumbline setup' makes its board file, 'plumbline doctor' checks it.\n"
-    "Lengths are mm, angles degrees. 'plumbline slice --help' explains the options of slice, and so on.\n";
+    "Lengths are mm, angles degrees. 'plumbline slice --help' explains slice, and so on.\n";
 
 }  // namespace
 

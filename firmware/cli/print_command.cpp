@@ -9,6 +9,7 @@
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/cli/options/grey_option.hpp"
+#include "firmware/cli/options/help_format.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/reports/issues_file.hpp"
 #include "firmware/cli/reports/printed_part.hpp"
@@ -429,7 +430,7 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
               }
             }
           },
-          "A value of this print instead of the profile's or the archive's, such as exposure_time=3; may be repeated")
+          "Another value than the profile's or archive's, such as exposure_time=3 (s). May be repeated")
       ->type_name("KEY=VALUE")
       ->take_all()
       ->excludes(resume)
@@ -461,6 +462,8 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
   command->callback([&options] {
     if (!options.resume && options.job.scans.empty()) throw CLI::RequiredError("a scan, or --resume with --state,");
   });
+  show_basic(*command, {"--printer", "--profile", "--set", "--layer-height", "--units", "--height", "--fit", "--orient",
+                        "--rotate-x", "--supports", "--accept", "--keep-part", "--verbose"});
   return command;
 }
 

@@ -4,6 +4,7 @@
 #include "firmware/archive/layer_archive.hpp"
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/grey_option.hpp"
+#include "firmware/cli/options/help_format.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/reports/print_time.hpp"
 #include "firmware/cli/terminal_job.hpp"
@@ -74,6 +75,8 @@ CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
       "Don't draw preview.png and coverage.png, nor an archive's thumbnails");
   add_slicing_options(*command, options.job, options.supports, options.checks);
   add_grey_option(*command, options.grey)->group(kPrinterGroup);
+  show_basic(*command, {"--output", "--printer", "--layer-height", "--units", "--height", "--fit", "--orient",
+                        "--rotate-x", "--supports", "--accept", "--verbose", "--json"});
   return command;
 }
 

@@ -71,10 +71,10 @@ CLI::Option* add_printer_options(CLI::App& app, JobOptions& job) {
                                  "object")
                       ->type_name("NAME")
                       ->group(kPrinterGroup);
-  app.add_option(
-         "--layer-height", job.layer_height_mm,
-         "0.005 to 1 mm [0.05, or the printer's]. A print may also have \"adaptive\": as the surface allows, thin "
-         "where shallow tops make stairs, thick where walls are steep")
+  app.add_option("--layer-height", job.layer_height_mm,
+                 "Height of a layer, 0.005 to 1 mm [0.05, or the printer's]. A print may also have \"adaptive\": as "
+                 "the surface allows, thin "
+                 "where shallow tops make stairs, thick where walls are steep")
       ->type_name("MM")
       ->transform(layer_height())
       ->group(kPrinterGroup);
@@ -95,9 +95,9 @@ void add_size_options(CLI::App& app, JobOptions& job, CLI::Option* scale, CLI::O
                         [&job, side](const std::string& text) {
                           job.size = PrintSize{side, *parse_length(text)};
                         },
-                        side == Side::kHeight ? "Make it this high along the scan's z, whatever the scan's unit: 80mm, "
-                                                "8cm, 3.15in. Sizes are those of the scan as it came: turning it "
-                                                "changes none"
+                        side == Side::kHeight  ? "Make it this high along the scan's z, such as 80mm, 8cm or 3.15in "
+                                                 "[as scanned]. Sizes are those of the scan as it came: turning it "
+                                                 "changes none"
                         : side == Side::kWidth ? "Make it this wide along the scan's x"
                         : side == Side::kDepth ? "Make it this deep along the scan's y: the height where y points up"
                                                : "Make the longest of these three sides this long")
@@ -124,7 +124,7 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
       ->group(kObjectGroup);
   app.add_option_function<std::string>(
          "--units", [&job](const std::string& name) { job.units = units_named(name); },
-         "Unit of the scan: mm, cm, m, in, or auto (the unit that gives the print a plausible size) [mm]")
+         "Unit of the scan: mm, cm, m, in, or auto, the one that makes a plausible size [mm]")
       ->type_name("UNIT")
       ->check(one_of(unit_names()))
       ->group(kObjectGroup);
@@ -140,7 +140,7 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
   auto* orient =
       app.add_option_function<std::string>(
              "--orient", [&job](const std::string& word) { job.orient = word == "auto"; },
-             "auto turns it to its best orientation, see 'plumbline orient --help'; none leaves it as it is [none]")
+             "auto turns it to its best orientation, none leaves it as it is [none]. See 'plumbline orient --help'")
           ->type_name("KIND")
           ->check(one_of({"none", "auto"}))
           ->group(kObjectGroup);
@@ -153,8 +153,8 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
       ->needs(orient)
       ->group(kObjectGroup);
   const char* const names[] = {"--rotate-x", "--rotate-y", "--rotate-z"};
-  const char* const help[] = {"Turn it about x, right-handed; done first [0]", "Turn it about y; done second [0]",
-                              "Turn it about z; done last [0]"};
+  const char* const help[] = {"Turn it about x by so many degrees, right-handed; done first [0]",
+                              "Turn it about y; done second [0]", "Turn it about z; done last [0]"};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     app.add_option(names[axis], job.rotate_degrees[axis], help[axis])
         ->type_name("DEG")
@@ -266,8 +266,8 @@ void add_check_options(CLI::App& app, CheckChoice& choice) {
          [&choice](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) set_check(text, choice);
          },
-         "What to do about an issue: KIND is all, or one of " + issue_keys() +
-             "; ACTION is ignore, warn, ask or refuse. May be repeated [as in the printer's profile, or warn]")
+         "What to do about an issue, such as all=refuse [the printer's profile, or warn]. KIND is all, or one of " +
+             issue_keys() + "; ACTION is ignore, warn, ask or refuse. May be repeated")
       ->type_name("KIND=ACTION")
       ->take_all()
       ->group(kChecksGroup);

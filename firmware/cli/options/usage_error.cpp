@@ -71,15 +71,16 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   // Without those of its subcommands, which have been given already.
   const auto rest = app.remaining(true);
   const auto option = std::find_if(rest.begin(), rest.end(), is_option);
-  if (option != rest.end()) return name + ": " + unknown_option(sub, *option) + help + "lists them.";
+  const std::string all = sub.get_help_all_ptr() != nullptr ? " '" + name + " --help-all' " : help;
+  if (option != rest.end()) return name + ": " + unknown_option(sub, *option) + all + "lists them.";
   if (has_subcommands) return name + ": " + unknown_subcommand(sub, rest) + ";" + help + "explains them.";
   if (!rest.empty()) return name + ": " + quoted(rest.front()) + " is one argument too many.";
   const std::string_view what = error.what();
   if (error.get_name() == "ArgumentMismatch" && what.starts_with("scan:"))
     return name + ": too many files. A scan may have up to " + std::to_string(kMostScans) + ".";
-  std::string said = error.get_name() == "RequiredError" ? missing_options(sub) : "";
-  if (said.empty()) said = what;
-  return name + ": " + said + (said.ends_with('?') ? "" : ".") + help + "lists the options.";
+  const std::string missing = error.get_name() == "RequiredError" ? missing_options(sub) : "";
+  const std::string said = missing.empty() ? std::string(what) : missing;
+  return name + ": " + said + (said.ends_with('?') ? "" : ".") + (missing.empty() ? all : help) + "lists the options.";
 }
 
 }  // namespace plumbline::firmware

@@ -247,7 +247,7 @@ class Usage(Program):
         self.says(*base, "--suports", "auto", message="plumbline slice: '--suports' is not an option; did you mean --supports?")
         self.says(*base, "--layer-hight=0.1", message="'--layer-hight' is not an option; did you mean --layer-height?")
         self.says("slice", self.scan, "--outptu", self.out, message="'--outptu' is not an option; did you mean --output?")
-        self.says(*base, "--frobnicate", message="'--frobnicate' is not an option. 'plumbline slice --help' lists them.")
+        self.says(*base, "--frobnicate", message="'--frobnicate' is not an option. 'plumbline slice --help-all' lists them.")
 
     def test_one_argument_too_many_is_named(self):
         self.says("sample", "a.ply", "b.ply", message="plumbline sample: 'b.ply' is one argument too many.")
@@ -290,16 +290,39 @@ class Usage(Program):
             self.assertNotIn("Excludes", text)
             self.assertNotIn("....", text)
             self.assertLessEqual(max(map(len, text.splitlines())), 120, command)
-        for command in ("slice", "inspect", "print", "sample", "doctor"):
-            self.assertRegex(self.run_it(command, "--help").stdout, "Output:|Exit status:")
+        for command, help in (("slice", "--help-all"), ("inspect", "--help"), ("print", "--help-all"), ("sample", "--help"), ("doctor", "--help")):
+            self.assertRegex(self.run_it(command, help).stdout, "Output:|Exit status:")
+
+    def test_help_shows_a_dozen_options_with_a_line_each_and_help_all_the_rest(self):
+        for command in ("slice", "print", "check"):
+            text = self.run_it(command, "--help").stdout
+            options = text.split("Options:\n")[1].split("\n\n")[0].splitlines()
+            self.assertEqual(options[-1].split()[0], "--help-all")
+            self.assertTrue(12 <= len(options) - 2 <= 13, options)
+            for line in options:
+                self.assertRegex(line, r"^  -\S+( [A-Z=]+)?( \(required\))?  +\S.*[^.]$")
+                self.assertLessEqual(len(line), 120)
+            self.assertLess(len(text.splitlines()), 40)
+            self.assertRegex(text, r"--layer-height MM +Height of a layer, 0.005 to 1 mm \[0.05, or the printer's\]\n")
+            self.assertIn(f"\nExamples:\n  plumbline {command} ", text)
+            self.assertRegex(text.splitlines()[-1], f"^'plumbline {command} --help-all' lists all options")
+            whole = self.run_it(command, "--help-all").stdout
+            self.assertLessEqual(max(map(len, whole.splitlines())), 120)
+            for line in options:
+                self.assertIn(line.split()[0], whole)
+            for option in ("--support-head-width", "--floor", "--arena-mib", "Exit status:"):
+                self.assertNotIn(option, text)
+                self.assertIn(option, whole)
+        # It lists the option that this is about.
+        self.says("slice", self.scan, "-o", self.out, "--threads=0", message="'plumbline slice --help-all' lists the options.")
 
     def test_help_names_each_kind_of_file_and_each_kind_of_issue(self):
-        text = " ".join(self.run_it("slice", "--help").stdout.split())
+        text = " ".join(self.run_it("slice", "--help-all").stdout.split())
         endings = (SOURCE_DIR / "slicer/reader/formats/scan_endings.hpp").read_text()
         for ending in re.findall(r'"\.(\w+)"', endings.split("kArchiveEndings")[0]):
             self.assertRegex(text.split("Options:")[0], rf"\b{ending.upper()}\b")
         self.assertIn("KIND is all, or one of island, overhang,", text)
-        self.assertNotIn("Without it the grid", self.run_it("print", "--help").stdout)
+        self.assertNotIn("Without it the grid", self.run_it("print", "--help-all").stdout)
 
 
 if __name__ == "__main__":
