@@ -13,9 +13,11 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/io/version.hpp"
+#include "firmware/messages/told_text.hpp"
 #include "firmware/print/job/sliced_scan.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/mask_stack.hpp"
 #include "slicer/checks/stack_checker.hpp"
@@ -130,6 +132,8 @@ Expected<CheckedMasks> check_scan(const CheckOptions& options, const JobSetup& s
   SliceReport report;
   const auto sliced = slice_for_print(scan->sources(), settings, arena, &terminal.progress(), report);
   PLUMBLINE_TRY(sliced);
+  for_each_remark(report,
+                  [&](const Told& told, std::string_view remark) { terminal.warn(at_terminal(told, remark).view()); });
   CheckedMasks checked{scan->title(), sliced->rrep.grid, sliced->findings, {}};
   PLUMBLINE_TRY(write_issues_file(options.picture, checked, sliced->rrep, sliced->supports, arena));
   return checked;

@@ -1,5 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <filesystem>
+#include <system_error>
 
 #include "firmware/archive/layer_archive.hpp"
 #include "firmware/cli/commands.hpp"
@@ -130,9 +132,11 @@ Expected<ShownGrey> grey_of(const JobSetup& setup, const std::string& grey) {
 
 }  // namespace
 
-/// Refuses names that say they are files: a folder part.ctb is nothing that a printer or a slicer opens.
+/// Refuses names that say they are files, unless there is such a folder: a new folder part.ctb is nothing that a printer or a
+/// slicer opens.
 Status check_output_name(const std::string& output) {
-  if (is_sl1_name(output)) return {};
+  std::error_code unknown;
+  if (is_sl1_name(output) || std::filesystem::is_directory(output, unknown)) return {};
   const bool is_file = foreign_format(in_lower_case(output)) != nullptr || is_archive_name(output) ||
                        is_scan_file_name(output) || has_ending(output, ".png");
   if (!is_file) return {};

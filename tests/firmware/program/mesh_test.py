@@ -65,6 +65,9 @@ class Meshes(Program):
         self.assertTrue(11 < delivered < 11.9, delivered)
         self.assertIn(f"the object is {delivered:.2f} mm high, not 12: what reaches beyond that is too thin to print. If that matters, ask for 12.", done.stderr)
         self.assertNotIn("not 12", self.slice_mesh(spire, "--supports", "none", "--no-preview").stderr)
+        for command in (("check",), ("print", "--printer", SIM2K, "--accept")):
+            done = self.run_it(command[0], spire, *command[1:], "--height", "12mm", "--supports", "none")
+            self.assertRegex(done.stderr, r"the object is 11\.\d\d mm high, not 12: what reaches beyond that is too thin to print\. If that matters, ask for 12\.")
 
     def test_what_lies_at_one_place_is_refused(self):
         corners, faces = box((5, 6, 7), (5, 6, 7))

@@ -54,7 +54,8 @@ class WorldErrors(Program):
             path = self.dir / name
             self.refused("slice", self.scan, "-o", path, message=f".*{name}: files of this kind are not written. Give a folder, or an archive that")
             self.assertFalse(path.exists())
-        for name in ("bust.v2", "part.ctb/", "out"):
+        (self.dir / "old.goo").mkdir()
+        for name in ("bust.v2", "part.ctb/", "out", "old.goo"):
             self.run_it("slice", self.scan, "-o", f"{self.dir}/{name}", "--quiet", "--no-preview", "--pixel-pitch", 0.5, "--layer-height", 0.5)
             self.assertTrue((self.dir / name / "manifest.json").exists())
 
