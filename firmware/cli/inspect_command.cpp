@@ -111,7 +111,7 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
     if (const auto possible = check_can_create(picture->c_str()); !possible) return report_error(possible.error());
   }
   if (options.scans.size() == 1 && is_archive_name(options.scans[0])) return inspect_archive(inspect_options, *setup);
-  TerminalJob terminal(options, *setup, arena_block);
+  TerminalJob terminal(options, *setup, arena_block, WholeProgress(Stage::kRRep));
   Arena& arena = terminal.arena();
   const auto scan = ScanFiles::open(options.scans);
   if (!scan) return report_error(scan.error());

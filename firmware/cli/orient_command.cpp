@@ -153,7 +153,7 @@ CLI::App* add_orient_command(CLI::App& app, OrientOptions& options) {
 ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_block) {
   const auto setup = set_up(options.job, arena_block.size());
   if (!setup) return report_error(setup.error());
-  TerminalJob terminal(options.job, *setup, arena_block);
+  TerminalJob terminal(options.job, *setup, arena_block, WholeProgress(Stage::kSupports));
   Arena& arena = terminal.arena();
   const auto scan = ScanFiles::open(options.job.scans);
   if (!scan) return report_error(scan.error());

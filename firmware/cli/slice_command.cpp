@@ -166,7 +166,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.slice = slice_settings(*setup, *options.supports.over(true, {}));  // checked when the arguments were parsed
   settings.slice.grey = grey->grey;
   settings.checks = options.checks.over(checks_of(setup->board));
-  TerminalJob terminal(options.job, *setup, arena_block);
+  TerminalJob terminal(options.job, *setup, arena_block, WholeProgress(Stage::kLayers, true));
   auto job = SliceJob::prepare(settings, terminal.arena());
   if (!job) return report_error(job.error());
   const auto done = job->run(terminal.progress());

@@ -4,10 +4,11 @@
 
 namespace plumbline::firmware {
 
-TerminalJob::TerminalJob(const JobOptions& options, const JobSetup& setup, std::span<std::byte> arena_block)
+TerminalJob::TerminalJob(const JobOptions& options, const JobSetup& setup, std::span<std::byte> arena_block,
+                         const WholeProgress& whole)
     : arena_(arena_block.first(setup.arena_bytes)),
       silent_(options.quiet || options.json),
-      lines_(options.verbose),
+      lines_(options.verbose, whole),
       progress_(silent_ ? nullptr : &lines_) {
   catch_interrupts();
 }

@@ -17,7 +17,9 @@ class TerminalJob {
  public:
   /// @param setup        of the same options
   /// @param arena_block  the program's static memory, at least setup.arena_bytes
-  TerminalJob(const JobOptions& options, const JobSetup& setup, std::span<std::byte> arena_block);
+  /// @param whole        what the bar is about; of the subcommand
+  TerminalJob(const JobOptions& options, const JobSetup& setup, std::span<std::byte> arena_block,
+              const WholeProgress& whole = WholeProgress());
 
   Arena& arena() { return arena_; }
   JobProgress& progress() { return progress_; }

@@ -80,7 +80,10 @@ void StateRecorder::glanced(std::size_t scan, const ScanPicture& drawn) {
   if (take(drawn, (*scan_pictures_)[scan])) record_.scans[scan].picture = ++scan_picture_number_;
 }
 
-void StateRecorder::proposing() { record_.slicing = SlicingRecord{.proposes = true}; }
+void StateRecorder::proposing() {
+  record_.slicing = SlicingRecord{.proposes = true};
+  whole_ = WholeProgress(Stage::kNormals);
+}
 
 void StateRecorder::proposed(const Proposals& found, const ProposalPictures& drawn) {
   record_.slicing.reset();
@@ -157,7 +160,9 @@ void StateRecorder::checked(Check check, const CheckResult& result) {
 
 void StateRecorder::slicing(Stage stage, double fraction) {
   look_around();
-  record_.slicing = SlicingRecord{stage, fraction, record_.slicing && record_.slicing->proposes};
+  if (!record_.slicing) whole_ = WholeProgress();
+  const double whole = whole_.reach(stage, fraction);
+  record_.slicing = SlicingRecord{stage, fraction, record_.slicing && record_.slicing->proposes, whole};
   observer_.slicing(stage, fraction);
 }
 

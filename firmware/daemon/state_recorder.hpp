@@ -14,6 +14,7 @@
 #include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/daemon/stick/stick_scans.hpp"
 #include "firmware/io/random_id.hpp"
+#include "firmware/io/whole_progress.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "hal/stick_port.hpp"
@@ -103,7 +104,8 @@ class StateRecorder final : public DaemonObserver {
   std::unique_ptr<ScanPictures> scan_pictures_;
   std::uint32_t scan_picture_number_;
   KeptJobs kept_;
-  std::string folder_;  ///< as StickScans::folder
+  WholeProgress whole_;  ///< of what is sliced
+  std::string folder_;   ///< as StickScans::folder
   std::chrono::steady_clock::time_point code_until_{};
   std::uint32_t next_layer_ = 0;  ///< of the picture that waits
 };

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "firmware/io/progress_lines.hpp"
 #include "firmware/io/random_id.hpp"
 #include "firmware/io/text/json_fields.hpp"
-#include "firmware/print/status/print_lines.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/core/words/plural.hpp"
 

@@ -325,7 +325,7 @@ void draw_slicing(const Sheet& sheet) {
   const PixelBox rest = body.from_row(line + sheet.px(16));
   const int large = sheet.look().large.line_height();
   sheet.page.line(rest.top_rows(large), filled_in(sheet.say(Words::kStep), step, steps).view(), sheet.large());
-  draw_bar(sheet, rest.from_row(large + sheet.px(6)).top_rows(sheet.px(14)), slicing.fraction);
+  draw_bar(sheet, rest.from_row(large + sheet.px(6)).top_rows(sheet.px(14)), slicing.whole);
 }
 
 }  // namespace plumbline::firmware::inline screen

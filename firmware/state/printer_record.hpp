@@ -78,6 +78,7 @@ struct SlicingRecord {
   Stage stage = Stage::kRead;
   double fraction = 0;    ///< of the stage
   bool proposes = false;  ///< only the best ways up are looked for
+  double whole = 0;       ///< done of all stages, 0 to 1
 };
 
 struct ProgressRecord {

@@ -222,6 +222,7 @@ void write_pictures(JsonWriter& json, const PrinterRecord& record) {
 
 constexpr JsonField<SlicingRecord> kSlicingFields[] = {{"stage", member<&SlicingRecord::stage>},
                                                        {"fraction", rounded<&SlicingRecord::fraction>},
+                                                       {"whole", rounded<&SlicingRecord::whole>},
                                                        {"proposes", member<&SlicingRecord::proposes>}};
 
 constexpr JsonField<ProgressRecord> kProgressFields[] = {

@@ -53,22 +53,6 @@ void add_figures(FixedText<400>& text, const PrintStatus& status) {
 
 }  // namespace
 
-FixedText<24> duration_text(nanoseconds time) {
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(time).count();
-  const auto minutes = static_cast<long long>(seconds / 60);
-  FixedText<24> text;
-  if (minutes >= 60) {
-    text.add("%lld h %02lld min", minutes / 60, minutes % 60);
-  } else if (minutes >= 10) {
-    text.add("%lld min", minutes);
-  } else if (minutes > 0) {
-    text.add("%lld min %02lld s", minutes, static_cast<long long>(seconds % 60));
-  } else {
-    text.add("%lld s", static_cast<long long>(seconds));
-  }
-  return text;
-}
-
 FixedText<200> status_text(const PrintStatus& status) {
   FixedText<200> text;
   const std::uint32_t layer = std::min(status.layer + 1, status.layers);

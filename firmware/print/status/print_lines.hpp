@@ -45,7 +45,4 @@ FixedText<200> status_text(const PrintStatus& status);
 /// Its note as a code; empty: it has none, and the text says no more than the state.
 Told told_note(const PrintStatus& status);
 
-/// "2 h 05 min", "3 min 20 s", "45 min": whole seconds below 10 min, else minutes.
-FixedText<24> duration_text(nanoseconds time);
-
 }  // namespace plumbline::firmware

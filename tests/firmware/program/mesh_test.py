@@ -67,6 +67,7 @@ class Meshes(Program):
         self.assertNotIn("not 12", self.slice_mesh(spire, "--supports", "none", "--no-preview").stderr)
         for command in (("check",), ("print", "--printer", SIM2K, "--accept")):
             done = self.run_it(command[0], spire, *command[1:], "--height", "12mm", "--supports", "none")
+            self.assertIn("  checking the layers", done.stderr)
             self.assertRegex(done.stderr, r"the object is 11\.\d\d mm high, not 12: what reaches beyond that is too thin to print\. If that matters, ask for 12\.")
 
     def test_what_lies_at_one_place_is_refused(self):

@@ -169,9 +169,13 @@ class Screen(StatePrinter):
         user.until(lambda s: s["state"] == "slicing", "it looks for them")
         user.do("cancel")
         user.until(lambda s: s["state"] == "offered" and s["commands"] and follows(s), "the offer")
+        before = len(user.states)
         user.do("start")
         printed = user.state("plate in use", "plate-empty")
         self.assertEqual(printed["job"]["result"], "finished")
+        whole = [state["slicing"]["whole"] for state in user.states[before:] if state["slicing"]]
+        self.assertEqual(whole, sorted(whole))
+        self.assertTrue(whole[0] < whole[-1] <= 1, whole)
         user.do("plate-empty")
         again = user.state("offered", "start")["job"]
         self.assertTrue(again["number"] == 3 and again["layer_height"] == 0.1 and follows({"job": again}), again)

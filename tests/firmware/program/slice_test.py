@@ -4,6 +4,8 @@
 import json
 import math
 import os
+import pty
+import re
 import signal
 import subprocess
 import unittest
@@ -123,6 +125,24 @@ class Slice(Program):
         done = self.slice_it("--no-preview")
         steps = [line[2:].rstrip("s 0123456789.") for line in done.stderr.splitlines() if line.startswith("  ")]
         self.assertEqual(steps, ["reading the scan", "finding the surface", "slicing", "writing the layer"])
+
+    def test_a_terminal_gets_one_bar_for_the_whole(self):
+        write_sphere(self.scan)
+        process, terminal = pty.fork()
+        if process == 0:
+            os.execv(PLUMBLINE, [str(PLUMBLINE), "slice", str(self.scan), "-o", str(self.out), "--pixel-pitch", "0.05", "--layer-height", "0.05"])
+        said = b""
+        try:
+            while data := os.read(terminal, 65536):
+                said += data
+        except OSError:  # it has ended
+            pass
+        os.close(terminal)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]), 0)
+        shares = [int(share) for share in re.findall(r"[#.]{24} +(\d+) %", said.decode())]
+        self.assertEqual(shares, sorted(shares))
+        self.assertEqual((shares[0], shares[-1], shares.count(100)), (0, 100, 1))
+        self.assertGreater(len(set(shares)), 5)
 
     def test_older_job_is_replaced_whole(self):
         self.slice_it()

@@ -168,12 +168,12 @@ std::vector<ScreenCase> golden_cases() {
                             })},
       {"proposing", with(kSlicing,
                          [](auto& record, auto& view) {
-                           record.slicing = SlicingRecord{Stage::kTrees, 0.4, true};
+                           record.slicing = SlicingRecord{Stage::kTrees, 0.4, true, 0.4};
                            view.settings_open = view.proposals_open = true;
                          })},
       {"reading", with(kSlicing,
                        [](auto& record, auto&) {
-                         record.slicing = SlicingRecord{Stage::kRays, 0.62};
+                         record.slicing = SlicingRecord{Stage::kRays, 0.62, false, 0.62};
                        })},
       {"preview", with(kOffered,
                        [](auto& record, auto&) {

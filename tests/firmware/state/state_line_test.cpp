@@ -95,7 +95,7 @@ std::unique_ptr<PrinterRecord> longest_record() {
   contract.plan.test.count = ExposureTest::kMostStrips;
   contract.plan.test.exposures.fill(std::chrono::nanoseconds(119'123'456'789));
   for (auto& value : record->job->values) value = 299.9999;
-  record->slicing = SlicingRecord{Stage::kWindingTree, 0.123};
+  record->slicing = SlicingRecord{Stage::kWindingTree, 0.123, false, 0.4567};
   record->proposals.emplace().fill({{-359.9, -359.9}, 1, 1.23456e29, 1.23456e29, 1.23456e29, 1.23456e29, 1.23456e29});
   PrintStatus status;
   status.state = PrintState::kPrinting;

@@ -33,13 +33,5 @@ TEST(PrintLines, SayWhichLayerIsPrintedOrWhatThePrintWaitsFor) {
   EXPECT_EQ(text(PrintState::kPaused), "paused at layer 1184 of 1184: press start to go on") << "all are cured";
 }
 
-TEST(PrintLines, GiveTimesInTheUnitsThatMatter) {
-  EXPECT_EQ(duration_text(0s).view(), "0 s");
-  EXPECT_EQ(duration_text(59s).view(), "59 s");
-  EXPECT_EQ(duration_text(200s).view(), "3 min 20 s");
-  EXPECT_EQ(duration_text(45min + 59s).view(), "45 min");
-  EXPECT_EQ(duration_text(125min).view(), "2 h 05 min");
-}
-
 }  // namespace
 }  // namespace plumbline::firmware
