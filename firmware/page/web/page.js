@@ -317,7 +317,7 @@ function showNow() {
     show("fault-wording", Boolean(known && fault.message), `${words.wording}: ${fault.message}`);
   }
   const progress = state.progress;
-  const done = state.slicing ? state.slicing.fraction : progress && progress.layers ? progress.layers_done / progress.layers : null;
+  const done = state.slicing ? state.slicing.whole : progress && progress.layers ? progress.layers_done / progress.layers : null;
   $("progress").hidden = done === null;
   if (done !== null) {
     $("progress").value = done;
