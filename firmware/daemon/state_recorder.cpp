@@ -73,6 +73,7 @@ void StateRecorder::previewed(const SlicedPictures& drawn) {
   if (size == 0 || size > PartModel::kMostBytes) return;
   std::copy_n(drawn.part.memory.begin(), size, pictures_->part.memory.begin());
   pictures_->part.size = size;
+  pictures_->part.box = drawn.part.box;
   ++pictures_->part_number;
 }
 
@@ -101,7 +102,7 @@ void StateRecorder::forget_proposals() {
 }
 
 void StateRecorder::mask_made(std::uint32_t layer, ConstBitImage mask) {
-  draw_layer_picture(mask, pictures_->next_layer());
+  draw_layer_picture(mask, pictures_->part.box, pictures_->next_layer());
   next_layer_ = layer;
   if (record_.progress) show_layer(record_.progress->layers_done);
   observer_.mask_made(layer, mask);

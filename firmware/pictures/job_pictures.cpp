@@ -92,16 +92,25 @@ Expected<std::span<std::uint8_t>> draw_thumbnail(const RRep& rrep, const Support
   return *memory;
 }
 
-void draw_layer_picture(ConstBitImage mask, LayerPicture& picture) {
+void draw_layer_picture(ConstBitImage mask, const PartBox& part, LayerPicture& picture) {
+  MaskSquares squares{.columns = mask.columns(), .rows = mask.rows()};  // pixels, for now
+  if (part.columns > 0 && part.rows > 0 && part.column < mask.columns() && part.row < mask.rows()) {
+    const std::uint32_t wide = std::min(part.columns, mask.columns()), deep = std::min(part.rows, mask.rows());
+    const std::uint32_t around = std::max(wide, deep) / 12;
+    squares.column = part.column - std::min(part.column, around);
+    squares.row = part.row - std::min(part.row, around);
+    squares.columns = std::min(wide + 2 * around, mask.columns() - squares.column);
+    squares.rows = std::min(deep + 2 * around, mask.rows() - squares.row);
+  }
   // At most 64, since a grid has at most 16384 pixels a side.
   const std::uint32_t side =
-      (std::max(mask.columns(), mask.rows()) + LayerPicture::kMostColumns - 1) / LayerPicture::kMostColumns;
-  picture.columns = (mask.columns() + side - 1) / side;
-  picture.rows = (mask.rows() + side - 1) / side;
+      (std::max(squares.columns, squares.rows) + LayerPicture::kMostColumns - 1) / LayerPicture::kMostColumns;
+  squares.side = side;
+  picture.columns = squares.columns = (squares.columns + side - 1) / side;
+  picture.rows = squares.rows = (squares.rows + side - 1) / side;
   const std::span<std::uint8_t> out = picture.bytes();
   for_each_square(
-      mask, {.side = side, .columns = picture.columns, .rows = picture.rows},
-      [&](std::uint32_t row, std::size_t word) { return mask.row(row)[word]; },
+      mask, squares, [&](std::uint32_t row, std::size_t word) { return mask.row(row)[word]; },
       [&](std::uint32_t x, std::uint32_t y, std::uint32_t count, std::uint32_t pixels) {
         out[std::size_t{y} * picture.columns + x] = static_cast<std::uint8_t>((count * 255 + pixels / 2) / pixels);
       });

@@ -208,6 +208,7 @@ class Modeller {
                               static_cast<float>(cells_.layers) * grid.layer_height_mm}};
     std::memcpy(model.memory.data(), &header, sizeof header);
     model.size = static_cast<std::uint32_t>(out.size());
+    model.box = {extent_.column, extent_.row, extent_.column_end - extent_.column, extent_.row_end - extent_.row};
     return true;
   }
 

@@ -31,17 +31,26 @@
 
 namespace plumbline::firmware::inline pictures {
 
+/// Pixels of the panel that a print takes; none: not known.
+struct PartBox {
+  std::uint32_t column = 0, row = 0, columns = 0, rows = 0;
+};
+
 /// Fixed in size, never on the heap.
 struct PartModel {
   static constexpr std::size_t kMostBytes = 1'000'000;
   static constexpr std::uint32_t kMostCells = 256;  ///< along each side
 
   std::uint32_t size = 0;  ///< bytes; 0: there is none
+  PartBox box;
   std::array<std::uint8_t, kMostBytes> memory{};
 
   bool there() const { return size > 0; }
   std::span<const std::uint8_t> bytes() const { return std::span(memory).first(size); }
-  void clear() { size = 0; }
+  void clear() {
+    size = 0;
+    box = {};
+  }
 };
 
 /// Bytes that make_part_model() takes at most.

@@ -349,7 +349,7 @@ function coverageLegend() {
   return list;
 }
 function showPictures() {
-  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && name !== "part" && name !== "proposal" && !(view && state.pictures.part && ["preview", "coverage", "issues"].includes(name)));
+  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && name !== "part" && name !== "proposal" && (name !== "layer" || isRunning()) && !(view && state.pictures.part && ["preview", "coverage", "issues"].includes(name)));
   $("pictures").hidden = there.length === 0;
   const names = there.map(([name]) => name);
   fill($("pictures"), names, () => [$("pictures").firstElementChild, ...names.map((name) => {
@@ -466,7 +466,7 @@ function showMasks() {
 }
 function showStick() {
   const {scans, folder, folders, not_listed: notListed} = state.stick;
-  $("stick").hidden = scans.length === 0;
+  $("stick").hidden = scans.length === 0 || isRunning() || Boolean(state.sliced && state.state === "offered");
   $("stick").querySelector("h2").textContent = state.stick.uploaded ? words.uploadedTitle : folder ? `${words.stickTitle}: ${folder}` : words.stickTitle;
   const mayChoose = state.commands.includes("choose") && !state.sliced;
   const chosen = state.job ? state.job.number : null;

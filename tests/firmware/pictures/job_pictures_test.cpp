@@ -38,7 +38,7 @@ TEST(LayerPicture, HasTheMeanOfEachSquareOfTheMask) {
        {Panel{1440, 2560}, Panel{3840, 2400}, Panel{640, 320}, Panel{321, 100}, Panel{7, 5}, Panel{16384, 70}}) {
     const Mask mask(panel.columns, panel.rows, 7);
     const auto picture = std::make_unique<LayerPicture>();
-    draw_layer_picture(mask.image, *picture);
+    draw_layer_picture(mask.image, {}, *picture);
     const std::uint32_t side = (std::max(panel.columns, panel.rows) + 319) / 320;
     ASSERT_EQ(picture->columns, (panel.columns + side - 1) / side);
     ASSERT_EQ(picture->rows, (panel.rows + side - 1) / side);
@@ -74,6 +74,24 @@ struct BoxRRep {
   std::vector<std::uint32_t> first, packed;
   RRep rrep;
 };
+
+TEST(LayerPicture, ShowsWhatThePrintTakes) {
+  std::vector<std::uint64_t> words(BitImage::words_needed(1440, 2560));
+  const BitImage mask(words, 1440, 2560);
+  for (std::uint32_t x = 700; x < 820; ++x) mask.set(x, 1300);
+  const auto picture = std::make_unique<LayerPicture>();
+  draw_layer_picture(mask, {.column = 700, .row = 1240, .columns = 120, .rows = 120}, *picture);
+  EXPECT_EQ(picture->columns, 140U);
+  EXPECT_EQ(picture->rows, 140U);
+  EXPECT_EQ(picture->bytes()[70 * 140 + 9], 0);
+  EXPECT_EQ(picture->bytes()[70 * 140 + 10], 255);
+  EXPECT_EQ(picture->bytes()[70 * 140 + 129], 255);
+  // At the panel's corner, and from a child that says anything.
+  draw_layer_picture(mask, {.column = 1430, .row = 2555, .columns = 4000'000'000, .rows = 7}, *picture);
+  EXPECT_TRUE(picture->there());
+  draw_layer_picture(mask, {.column = 4000'000'000, .row = 0, .columns = 1, .rows = 1}, *picture);
+  EXPECT_EQ(picture->columns, 180U) << "all of it";
+}
 
 TEST(PreviewPicture, ShowsTheThreeSidesOfABoxAtOneScale) {
   PrintGrid grid;
