@@ -277,7 +277,7 @@ function makePartView(canvas, say) {
     });
   }
   function drawNow() {
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const rough = performance.now() < movesUntil && slow, ratio = Math.min(window.devicePixelRatio || 1, 2) * (rough ? 0.5 : 1);
     const [wide, tall] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * ratio)));
     if (canvas.width !== wide || canvas.height !== tall) Object.assign(canvas, {width: wide, height: tall});
     gl.viewport(0, 0, wide, tall);
@@ -291,7 +291,6 @@ function makePartView(canvas, say) {
     gl.uniform2f(place.pan, 2 * pan[0] * ratio / wide, -2 * pan[1] * ratio / tall);
     gl.uniform1f(place.deep, 0.95 / (radius() * Math.max(1, zoom)));
     gl.uniform1f(place.top, plane === null ? 1e9 : plane);
-    const rough = performance.now() < movesUntil && slow;
     for (const {array, count, colour, supports, coarse} of meshes) {
       if ((supports && !withSupports) || coarse !== rough) continue;
       gl.bindVertexArray(array);
@@ -434,7 +433,11 @@ function makePartView(canvas, say) {
       clear();
       if (url) load(url).catch(() => { if (url === wanted) say(null); });
     },
-    plane(mm) { plane = mm; draw(); },
+    plane(mm) {
+      if (mm !== plane) moved();
+      plane = mm;
+      draw();
+    },
     supports(shown) { withSupports = shown; draw(); },
     colours(shown) { colours = shown; draw(); },
     // Buttons over the canvas at places, mm: [{at: [x, y, z], node}]
