@@ -1,6 +1,5 @@
 #include "firmware/child/scan_task.hpp"
 
-#include <cmath>
 #include <vector>
 
 #include "firmware/child/given_file.hpp"
@@ -66,9 +65,8 @@ Status propose(std::span<ByteSource* const> sources, const SliceSettings& asked,
     page.answer.kind = ScanAnswer::kProposals;
     std::array<std::array<double, 2>, kProposalCount> degrees;
     for (std::size_t i = 0; i < degrees.size(); ++i) degrees[i] = (*proposals)[i].degrees;
-    const float spacing = std::sqrt(samples.area / static_cast<float>(scan.cloud.size));
     // If the arena has no room for them, there are no pictures.
-    static_cast<void>(draw_proposal_pictures(scan.cloud, spacing, degrees, arena, page.proposals));
+    static_cast<void>(draw_proposal_pictures(scan.cloud, degrees, arena, page.proposals));
     return {};
   };
   return prepare_normals(sources, settings, arena, &progress, report, look);

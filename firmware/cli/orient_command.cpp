@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
 
 #include "firmware/cli/commands.hpp"
@@ -63,8 +62,8 @@ OrientLine figures_of(const Proposal& o, const JobSetup& setup) {
   return text;
 }
 
-Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Proposals& found, const std::string& title,
-            const std::string& path, Arena& arena) {
+Status draw(const PreparedScan& scan, const Proposals& found, const std::string& title, const std::string& path,
+            Arena& arena) {
   std::array<std::array<OrientLine, 6>, kBestOrientations> texts;
   std::array<OrientationView, kBestOrientations> views;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -86,8 +85,7 @@ Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Propo
   }
   auto encoder = PictureEncoder::create(kPageBytes);
   PLUMBLINE_TRY(encoder);
-  const float spacing = std::sqrt(samples.area / static_cast<float>(scan.cloud.size));
-  const auto png = encode_orientations(scan.cloud, spacing, title, views, arena, *encoder);
+  const auto png = encode_orientations(scan.cloud, title, views, arena, *encoder);
   PLUMBLINE_TRY(png);
   return write_file(path.c_str(), *png);
 }
@@ -166,7 +164,7 @@ ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_blo
                                                 {&terminal.progress(), Stage::kSupports});
     PLUMBLINE_TRY(proposals);
     found = *proposals;
-    return options.picture.empty() ? Status() : draw(prepared, samples, found, scan->title(), options.picture, arena);
+    return options.picture.empty() ? Status() : draw(prepared, found, scan->title(), options.picture, arena);
   };
   const auto done = prepare_normals(scan->sources(), settings, arena, &terminal.progress(), report, look);
   if (!done) return report_error(done.error());

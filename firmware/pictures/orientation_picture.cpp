@@ -1,13 +1,13 @@
 #include "firmware/pictures/orientation_picture.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
+#include <limits>
 
+#include "firmware/pictures/drawn_points.hpp"
 #include "firmware/pictures/preview/preview.hpp"
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/pictures/preview/preview_shading.hpp"
-#include "firmware/pictures/preview/preview_smoothing.hpp"
-#include "slicer/placement/core_bounds.hpp"
 #include "slicer/placement/placement.hpp"
 
 namespace plumbline::firmware::inline pictures {
@@ -17,35 +17,16 @@ using namespace preview;
 namespace {
 
 constexpr const char* kStage = "orientation picture";
-constexpr std::array<Rgb, 2> kColours{{{222, 222, 212}, {232, 150, 56}}};  // surface, needs supports
-constexpr std::uint32_t kColumns = 350, kRows = 560;                       ///< pixels of a view
-constexpr std::uint32_t kStep = 372;                                       ///< from one view to the next
+constexpr std::array<Rgb, 2> kColours{{kMaterials[0], {255, 160, 48}}};  // surface, needs supports
+constexpr std::uint32_t kColumns = 350, kRows = 560;                     ///< pixels of a view
+constexpr std::uint32_t kStep = 372;                                     ///< from one view to the next
 constexpr std::int64_t kLeft = 58, kFloor = 670;
 
-constexpr std::array<Rgb, 2> kSidesOfScan{{{222, 222, 212}, {96, 108, 122}}};  // of its surface: outside, inside
-constexpr std::uint32_t kMostDrawnPoints = 1U << 17U;                          ///< of a small picture
-
-/// Where the object is, and how large.
-struct ScanSight {
-  Vec3d middle;
-  double diagonal;  ///< it fits, so every orientation does
-};
-
-Expected<ScanSight> find_sight(const Cloud& cloud, Arena& arena) {
-  const auto core = core_bounds(cloud.positions(), arena);
-  PLUMBLINE_TRY(core);
-  const auto box = dense_bounds(cloud.positions(), *core, arena);
-  PLUMBLINE_TRY(box);
-  const Vec3d size = box->size().cast<double>();
-  return ScanSight{box->centre().cast<double>(), std::max(1e-12, std::sqrt(size.dot(size)))};
-}
+constexpr std::array<Rgb, 2> kSidesOfScan{{kMaterials[0], {96, 108, 122}}};  // of its surface: outside, inside
+constexpr std::uint32_t kMostOfPage = 1U << 19U;                             ///< points that are drawn
+constexpr std::uint32_t kMostOfProposal = 1U << 17U, kMostOfScan = 1U << 15U;
 
 /// Room for a depth map.
-struct MapMemory {
-  DepthMap map;
-  std::span<float> scratch;
-};
-
 Expected<MapMemory> take_map(std::uint32_t columns, std::uint32_t rows, Arena& arena) {
   const std::size_t samples = std::size_t{columns} * rows;
   const auto depths = arena.take_top<float>(2 * samples, kStage);
@@ -55,58 +36,40 @@ Expected<MapMemory> take_map(std::uint32_t columns, std::uint32_t rows, Arena& a
   return MapMemory{{depths->first(samples), *materials, columns, rows}, depths->last(samples)};
 }
 
-/// Draws each step-th point as a square, the nearest in front.
-/// @param spacing    distance of these points from each other, unit of the cloud
-/// @param is_second  whether a point with this rotated normal is of the second material
-template <class IsSecond>
-void draw_points(const Cloud& cloud, std::uint32_t step, float spacing, const Mat3d& rotation, const ScanSight& sight,
-                 const MapMemory& memory, const IsSecond& is_second) {
-  const DepthMap& map = memory.map;
-  const double samples = std::min(map.columns, map.rows) / sight.diagonal;
-  const double reach = 0.75 * static_cast<double>(spacing) * samples;  // to each side of a point
-  std::fill(map.depth.begin(), map.depth.end(), DepthMap::kEmpty);
-  for (std::uint32_t i = 0; i < cloud.size; i += step) {
-    const Vec3d p = rotation * (cloud.position[i].cast<double>() - sight.middle) * samples;
-    const bool second = is_second(rotation * cloud.normal[i].unpack().cast<double>());
-    const double x = 0.5 * map.columns + p[0];
-    const double y = 0.5 * map.rows - p[2];
-    const auto clamped = [](double v, std::uint32_t end) {
-      return static_cast<std::uint32_t>(std::clamp<double>(v, 0, end));
-    };
-    for (std::uint32_t row = clamped(y - reach, map.rows); row < clamped(y + reach + 1, map.rows); ++row) {
-      for (std::uint32_t column = clamped(x - reach, map.columns); column < clamped(x + reach + 1, map.columns);
-           ++column) {
-        if (static_cast<float>(p[1]) < map.at(column, row)) map.show(column, row, static_cast<float>(p[1]), second);
-      }
-    }
-  }
-  const float voxel = static_cast<float>(std::max(1.0, 2 * reach));
-  smooth_depth(map, memory.scratch, {.across = voxel, .deep = voxel});
-}
-
-/// What needs supports is the second material.
-void draw_view(const Cloud& cloud, std::uint32_t step, float spacing, const std::array<double, 2>& degrees,
-               const ScanSight& sight, const MapMemory& memory) {
-  const auto needs_support = [](const Vec3d& normal) { return normal[2] < -static_cast<double>(kNeedsSupport); };
-  draw_points(cloud, step, spacing, rotation_matrix({degrees[0], degrees[1], 0}), sight, memory, needs_support);
-}
-
-/// What the small pictures of one cloud share.
+/// What the pictures of one cloud share.
 struct Studio {
-  ScanSight sight;
+  DrawnPoints points;
   MapMemory memory;
-};
 
-/// @param arena  given back by the caller
-template <class SmallPicture>
-Expected<Studio> set_up(const Cloud& cloud, Arena& arena) {
-  const auto memory =
-      take_map(SmallPicture::kMostColumns * kSamplesPerPixel, SmallPicture::kMostRows * kSamplesPerPixel, arena);
-  PLUMBLINE_TRY(memory);
-  const auto sight = find_sight(cloud, arena);
-  PLUMBLINE_TRY(sight);
-  return Studio{*sight, *memory};
-}
+  /// @param columns, rows  of the largest view, pixels
+  /// @param arena          given back by the caller
+  static Expected<Studio> set_up(const Cloud& cloud, std::uint32_t most, std::uint32_t columns, std::uint32_t rows,
+                                 Arena& arena) {
+    const auto memory = take_map(columns * kSamplesPerPixel, rows * kSamplesPerPixel, arena);
+    PLUMBLINE_TRY(memory);
+    const auto points = DrawnPoints::create(cloud, most, arena);
+    PLUMBLINE_TRY(points);
+    return Studio{*points, *memory};
+  }
+
+  /// The largest scale at which each of some views fits the map.
+  template <class Views, class Degrees>
+  double scale(const Views& views, const Degrees& degrees) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& view : views)
+      least = std::min(least, DrawnPoints::scale(points.box(rotation(degrees(view))), memory.map));
+    return least;
+  }
+
+  /// What needs supports is the second material.
+  void draw(const std::array<double, 2>& degrees, double scale) const {
+    const auto needs_support = [](const Vec3d& normal) { return normal[2] < -static_cast<double>(kNeedsSupport); };
+    const Mat3d turned = rotation(degrees);
+    points.draw(turned, points.box(turned), scale, memory, needs_support);
+  }
+
+  static Mat3d rotation(const std::array<double, 2>& degrees) { return rotation_matrix({degrees[0], degrees[1], 0}); }
+};
 
 /// Shades what was drawn into the map.
 template <class SmallPicture>
@@ -121,15 +84,15 @@ void fill_in(SmallPicture& picture, const MapMemory& memory, const std::array<Rg
 
 }  // namespace
 
-Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, float spacing, std::string_view name,
+Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, std::string_view name,
                                                          std::span<const OrientationView> views, Arena& arena,
                                                          PictureEncoder& encoder) {
   const ArenaScope scope(arena);
   const auto rgb = arena.take_top<std::uint8_t>(kPageBytes, kStage);
   PLUMBLINE_TRY(rgb);
   const Picture picture{*rgb, kPreviewColumns, kPreviewRows};
-  const auto memory = take_map(kColumns * kSamplesPerPixel, kRows * kSamplesPerPixel, arena);
-  PLUMBLINE_TRY(memory);
+  const auto studio = Studio::set_up(cloud, kMostOfPage, kColumns, kRows, arena);
+  PLUMBLINE_TRY(studio);
   draw_background(picture);
   const LabelStyle title{page_faces().title, kInk};
   const LabelStyle plain{page_faces().plain, kInk};
@@ -137,12 +100,11 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
   constexpr std::string_view kAbout = "the best orientations; what needs supports is orange";
   draw_text(picture, std::int64_t{kPreviewColumns} - kLeft - plain.face.width(kAbout), 52, kAbout, plain);
 
-  const auto sight = find_sight(cloud, arena);
-  PLUMBLINE_TRY(sight);
+  const double scale = studio->scale(views, [](const OrientationView& view) { return view.degrees; });
   std::int64_t left = kLeft;
   for (const OrientationView& view : views) {
-    draw_view(cloud, 1, spacing, view.degrees, *sight, *memory);
-    shade_depth(memory->map, memory->scratch, picture, left, kFloor - kRows, kColours);
+    studio->draw(view.degrees, scale);
+    shade_depth(studio->memory.map, studio->memory.scratch, picture, left, kFloor - kRows, kColours);
     std::int64_t line = kFloor + 30;
     for (const std::string_view text : view.lines) {
       draw_text(picture, left, line, plain.face.start_of(text, kStep - 12), plain);
@@ -153,16 +115,16 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
   return encoder.encode(*rgb, kPreviewColumns, kPreviewRows);
 }
 
-Status draw_proposal_pictures(const Cloud& cloud, float spacing, std::span<const std::array<double, 2>> degrees,
-                              Arena& arena, ProposalPictures& pictures) {
+Status draw_proposal_pictures(const Cloud& cloud, std::span<const std::array<double, 2>> degrees, Arena& arena,
+                              ProposalPictures& pictures) {
   for (ProposalPicture& picture : pictures) picture.clear();
   const ArenaScope scope(arena);
-  const auto studio = set_up<ProposalPicture>(cloud, arena);
+  const auto studio =
+      Studio::set_up(cloud, kMostOfProposal, ProposalPicture::kMostColumns, ProposalPicture::kMostRows, arena);
   PLUMBLINE_TRY(studio);
-  const std::uint32_t step = cloud.size / kMostDrawnPoints + 1;
-  const float apart = spacing * std::sqrt(static_cast<float>(step));
+  const double scale = studio->scale(degrees, std::identity());
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    draw_view(cloud, step, apart, degrees[i], studio->sight, studio->memory);
+    studio->draw(degrees[i], scale);
     fill_in(pictures[i], studio->memory, kColours);
   }
   return {};
@@ -171,24 +133,28 @@ Status draw_proposal_pictures(const Cloud& cloud, float spacing, std::span<const
 Status draw_scan_picture(const Cloud& cloud, Arena& arena, ScanPicture& picture) {
   picture.clear();
   const ArenaScope scope(arena);
-  const auto studio = set_up<ScanPicture>(cloud, arena);
+  const auto studio = Studio::set_up(cloud, kMostOfScan, ScanPicture::kMostColumns, ScanPicture::kMostRows, arena);
   PLUMBLINE_TRY(studio);
-  constexpr std::uint32_t kEnough = 1U << 15U;
-  const std::uint32_t step = cloud.size / kEnough + 1;
-  // As if the points lay on a ball of that diameter.
-  const double radius = studio->sight.diagonal / 2;
-  const auto apart = static_cast<float>(radius * std::sqrt(4 * 3.14159 * step / cloud.size));
-  const auto faces_away = [](const Vec3d& normal) { return normal[1] > 0.1; };
-  const auto draw = [&](int side) {
+  const auto& [points, memory] = *studio;
+  constexpr int kSides = 8;
+  const auto rotation = [](int side) -> Mat3d {
     constexpr double kAbove = 20;
-    const Mat3d rotation = rotation_matrix({kAbove, 0, 0}) * rotation_matrix({0, 0, side * 45.0});
-    draw_points(cloud, step, apart, rotation, studio->sight, studio->memory, faces_away);
+    return rotation_matrix({kAbove, 0, 0}) * rotation_matrix({0, 0, side * 45.0});
   };
-  const DepthMap& map = studio->memory.map;
+  const auto draw = [&, &points = points, &memory = memory](int side, double scale) {
+    const auto faces_away = [](const Vec3d& normal) { return normal[1] > 0.1; };
+    const Mat3d turned = rotation(side);
+    points.draw(turned, points.box(turned), scale, memory, faces_away);
+  };
+  double scale = std::numeric_limits<double>::infinity();
+  for (int side = 0; side < kSides; ++side) {
+    scale = std::min(scale, DrawnPoints::scale(points.box(rotation(side)), memory.map));
+  }
   int best = 0;
   std::size_t most = 0;
-  for (int side = 0; side < 8; ++side) {
-    draw(side);
+  for (int side = 0; side < kSides; ++side) {
+    draw(side, scale);
+    const DepthMap& map = memory.map;
     std::size_t seen = 0;
     for (std::size_t i = 0; i < map.depth.size(); ++i) {
       if (map.depth[i] < DepthMap::kEmpty && map.material[i] == 0) ++seen;
@@ -198,8 +164,8 @@ Status draw_scan_picture(const Cloud& cloud, Arena& arena, ScanPicture& picture)
     most = seen;
     best = side;
   }
-  draw(best);
-  fill_in(picture, studio->memory, kSidesOfScan);
+  draw(best, DrawnPoints::scale(points.box(rotation(best)), memory.map));
+  fill_in(picture, memory, kSidesOfScan);
   return {};
 }
 
