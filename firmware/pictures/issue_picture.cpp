@@ -1,11 +1,14 @@
 #include "firmware/pictures/issue_picture.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <tuple>
 
 #include "firmware/pictures/preview/preview.hpp"
 #include "firmware/pictures/preview/preview_page.hpp"
+#include "firmware/pictures/preview/preview_views.hpp"
 #include "slicer/checks/overhangs.hpp"
 #include "slicer/core/regions/layer_regions.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
@@ -30,7 +33,18 @@ struct TileLayout {
 constexpr TileLayout kPage{60, 100, 470, 300, 505, 390, 3};
 static_assert(kPage.left + 2 * kPage.step + kPage.columns <= kPreviewColumns &&
               kPage.top + kPage.row_step + kPage.rows <= kPreviewRows);
-constexpr std::uint32_t kGap = 4;  ///< between the tiles of the small picture
+/// The page with an overview on the left.
+constexpr TileLayout kPageBeside{344, 100, 380, 300, 408, 390, 3};
+constexpr Page kOverview{.columns = kPreviewColumns,
+                         .rows = kPreviewRows,
+                         .margin = kPage.left,
+                         .top = kPageBeside.top,
+                         .bottom = kPageBeside.top + kPageBeside.row_step + kPageBeside.rows,
+                         .gap = 45,
+                         .beside = kPreviewColumns - kPageBeside.left + 34 - kPage.left};
+static_assert(kPageBeside.left + 2 * kPageBeside.step + kPageBeside.columns <= kPreviewColumns - kPage.left);
+constexpr std::int64_t kMark = 11;  ///< radius of a mark with the number of its tile, pixels
+constexpr std::uint32_t kGap = 4;   ///< between the tiles of the small picture
 
 /// The small picture: as few rows of tiles as there must be, which fill it.
 TileLayout small_layout(std::size_t issues) {
@@ -86,6 +100,17 @@ RegionBox box_of(const LayerRegions& regions, std::uint32_t region) {
   return box;
 }
 
+/// The box of an issue that is a part of a region, several times as wide as its area would be.
+RegionBox around(const Issue& issue, const PrintGrid& grid) {
+  const auto reach = static_cast<std::uint32_t>(2.5 * std::sqrt(static_cast<double>(issue.pixels))) + 1;
+  RegionBox box;
+  box.column = issue.column - std::min(issue.column, reach);
+  box.row = issue.row - std::min(issue.row, reach);
+  box.column_end = std::min(grid.columns, issue.column + reach);
+  box.row_end = std::min(grid.rows, issue.row + reach);
+  return box;
+}
+
 Rgb colour_at(const Issue& issue, const Layer& layer, std::uint32_t column, std::uint32_t row) {
   const bool white = layer.mask.at(column, row);
   const bool below = layer.below.at(column, row);
@@ -137,15 +162,74 @@ void draw_tile(const Picture& picture, const TilePlace& place, const TileLayout&
     for (std::uint32_t x = 0; x < tile.columns; ++x) {
       const double column = middle_column + (x + 0.5 - tile.columns / 2.0) * step;
       const bool outside = column < 0 || row < 0 || column >= grid.columns || row >= grid.rows;
-      if (outside) continue;
       picture.fill(place.left + x, place.top + y, 1, 1,
-                   colour_at(issue, layer, static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row)));
+                   outside
+                       ? kAir
+                       : colour_at(issue, layer, static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row)));
     }
   }
 }
 
-void draw_caption(const Picture& picture, const TilePlace& place, const Issue& issue, const IssueScale& scale) {
-  const std::int64_t top = place.top + kPage.rows + 12;
+using MarkPlace = std::array<std::int64_t, 2>;  ///< column and row of its middle
+
+/// Draws the number of a tile on a disc round (column, row).
+void draw_mark(const Picture& picture, std::int64_t column, std::int64_t row, std::size_t number) {
+  for (std::int64_t y = -kMark; y <= kMark; ++y) {
+    for (std::int64_t x = -kMark; x <= kMark; ++x) {
+      const float outside = std::sqrt(static_cast<float>(x * x + y * y)) - static_cast<float>(kMark);
+      picture.blend(column + x, row + y, kIssue, std::clamp(0.5F - outside, 0.0F, 1.0F));
+    }
+  }
+  const char digit = static_cast<char>('0' + number);
+  const Face& face = page_faces().plain;
+  draw_text(picture, column - face.width({&digit, 1}) / 2, row - face.cap_height() / 2, {&digit, 1}, {face, kInk});
+}
+
+/// The nearest place to the right, to the left, above or below where a mark covers none of `others`.
+MarkPlace nearest_free(const MarkPlace& wanted, std::span<const MarkPlace> others) {
+  for (std::int64_t way = 0;; ++way) {
+    for (const MarkPlace& step : {MarkPlace{1, 0}, MarkPlace{-1, 0}, MarkPlace{0, -1}, MarkPlace{0, 1}}) {
+      const MarkPlace at{wanted[0] + way * step[0], wanted[1] + way * step[1]};
+      const auto overlaps = [&](const MarkPlace& other) {
+        const std::int64_t x = other[0] - at[0], y = other[1] - at[1];
+        return x * x + y * y < 4 * kMark * kMark;
+      };
+      if (std::ranges::none_of(others, overlaps)) return at;
+    }
+  }
+}
+
+/// Draws the print from the front, each issue's place with the number of its tile.
+Status draw_overview(const Picture& picture, const ShownIssues& shown, const RRep& rrep, const Supports& supports,
+                     Arena& arena) {
+  static_assert(ShownIssues::kMostShown < 10);
+  const IssueScale scale(rrep.grid);
+  std::array<MarkPlace, ShownIssues::kMostShown> marks = {};
+  const auto find_places = [&](const SeenView& view) {
+    for (std::size_t i = 0; i < shown.count; ++i) {
+      const Issue& issue = shown.issues[i];
+      const Vec3d at(scale.x_mm(issue), scale.y_mm(issue), scale.z_mm(issue.layer));
+      const Vec3f sample = view.place(at.cast<float>()) / float{kSamplesPerPixel};
+      marks[i] = {static_cast<std::int64_t>(sample[0]), static_cast<std::int64_t>(sample[1])};
+    }
+  };
+  const Paint paint{kMaterials, find_places, kOfSupports};
+  const auto layout = draw_views(rrep, supports, kOverview, Views::kFront, arena, picture, &paint);
+  PLUMBLINE_TRY(layout);
+  if (!*layout) return {};
+  for (std::size_t i = 0; i < shown.count; ++i) {
+    MarkPlace& mark = marks[i];
+    mark = {mark[0] + (*layout)->front_left, mark[1] + (*layout)->floor - (*layout)->height};
+    mark = nearest_free(mark, std::span(marks).first(i));
+    draw_mark(picture, mark[0], mark[1], i + 1);
+  }
+  return {};
+}
+
+/// @param number  of the tile; 0: it has none
+void draw_caption(const Picture& picture, const TilePlace& place, const TileLayout& tile, std::size_t number,
+                  const Issue& issue, const IssueScale& scale) {
+  const std::int64_t top = place.top + tile.rows + 12;
   const LabelStyle plain{page_faces().plain, kInk};
   const LabelStyle pale{page_faces().plain, kPaleInk};
   char text[96];
@@ -158,14 +242,15 @@ void draw_caption(const Picture& picture, const TilePlace& place, const Issue& i
                 is_drop     ? "mm3"
                 : is_volume ? "ml"
                             : "mm2");
-  draw_text(picture, place.left, top, plain.face.start_of(text, kPage.step - 12), plain);
+  if (number > 0) draw_mark(picture, place.left + 2 * kMark, place.top + 2 * kMark, number);
+  draw_text(picture, place.left, top, plain.face.start_of(text, static_cast<int>(tile.step - 12)), plain);
   std::snprintf(text, sizeof text, "layer %u, %.2f mm: x %.1f, y %.1f mm", issue.layer, scale.z_mm(issue.layer),
                 scale.x_mm(issue), scale.y_mm(issue));
-  draw_text(picture, place.left, top + 24, pale.face.start_of(text, kPage.columns), pale);
+  draw_text(picture, place.left, top + 24, pale.face.start_of(text, static_cast<int>(tile.step - 12)), pale);
 }
 
 /// Draws a tile for each issue.
-/// @param caption  called with each issue and where its tile is
+/// @param caption  called with each issue's place in `shown` and where its tile is
 template <class Caption>
 Status draw_tiles(const Picture& picture, const TileLayout& tile, const ShownIssues& shown, const PrintGrid& grid,
                   MaskOf masks, Arena& arena, Caption caption) {
@@ -196,13 +281,30 @@ Status draw_tiles(const Picture& picture, const TileLayout& tile, const ShownIss
                              issue.kind == IssueKind::kThinWall;
       if (is_region) layer.region = regions->region(run_at(*regions, issue.column, issue.row));
       layer.box = box_of(*regions, layer.region);
+      if (issue.kind == IssueKind::kOverhang || issue.kind == IssueKind::kUnreached) {
+        layer.box = layer.box.empty() ? layer.box : around(issue, grid);
+      }
     }
     const TilePlace place{tile.left + i % tile.tiles_a_row * tile.step,
                           tile.top + i / tile.tiles_a_row * tile.row_step};
     draw_tile(picture, place, tile, issue, layer, grid);
-    caption(issue, place);
+    caption(i, place);
   }
   return {};
+}
+
+/// Draws tiles and texts on a page that has its background.
+Status draw_page(const Picture& picture, const TileLayout& tile, bool numbered, const ShownIssues& shown,
+                 const PrintGrid& grid, std::string_view name, MaskOf masks, Arena& arena) {
+  const LabelStyle title{page_faces().title, kInk};
+  draw_text(picture, kPage.left, 38, title.face.start_of(name, kPreviewColumns - 800), title);
+  constexpr std::string_view kAbout = "issues in red; grey: the layer below";
+  const LabelStyle plain{page_faces().plain, kPaleInk};
+  draw_text(picture, std::int64_t{kPreviewColumns} - kPage.left - plain.face.width(kAbout), 52, kAbout, plain);
+  const IssueScale scale(grid);
+  return draw_tiles(picture, tile, shown, grid, masks, arena, [&](std::size_t i, const TilePlace& place) {
+    draw_caption(picture, place, tile, numbered ? i + 1 : 0, shown.issues[i], scale);
+  });
 }
 
 /// Calls `draw` with a function that makes the masks of an R-Rep anew.
@@ -237,21 +339,17 @@ Status draw_issues(const StackFindings& findings, const PrintGrid& grid, std::st
                    Arena& arena, std::span<std::uint8_t> rgb) {
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
   draw_background(picture);
-  const LabelStyle title{page_faces().title, kInk};
-  draw_text(picture, kPage.left, 38, title.face.start_of(name, kPreviewColumns - 800), title);
-  constexpr std::string_view kAbout = "issues in red; grey: the layer below";
-  const LabelStyle plain{page_faces().plain, kPaleInk};
-  draw_text(picture, std::int64_t{kPreviewColumns} - kPage.left - plain.face.width(kAbout), 52, kAbout, plain);
-
-  const IssueScale scale(grid);
-  return draw_tiles(picture, kPage, ShownIssues(findings), grid, masks, arena,
-                    [&](const Issue& issue, const TilePlace& place) { draw_caption(picture, place, issue, scale); });
+  return draw_page(picture, kPage, false, ShownIssues(findings), grid, name, masks, arena);
 }
 
 Status draw_issues(const StackFindings& findings, const RRep& rrep, const Supports& supports, std::string_view name,
                    Arena& arena, std::span<std::uint8_t> rgb) {
-  return with_masks(rrep, supports, arena,
-                    [&](MaskOf masks) { return draw_issues(findings, rrep.grid, name, masks, arena, rgb); });
+  const Picture picture{rgb, kPreviewColumns, kPreviewRows};
+  const ShownIssues shown(findings);
+  PLUMBLINE_TRY(draw_overview(picture, shown, rrep, supports, arena));
+  return with_masks(rrep, supports, arena, [&](MaskOf masks) {
+    return draw_page(picture, kPageBeside, true, shown, rrep.grid, name, masks, arena);
+  });
 }
 
 Status draw_issues_picture(const StackFindings& findings, const RRep& rrep, const Supports& supports, Arena& arena,
@@ -268,7 +366,7 @@ Status draw_issues_picture(const StackFindings& findings, const PrintGrid& grid,
   const Picture pixels{picture.memory, IssuesPicture::kMostColumns, IssuesPicture::kMostRows};
   draw_background(pixels);
   PLUMBLINE_TRY(draw_tiles(pixels, small_layout(shown.count), shown, grid, masks, arena,
-                           [](const Issue& /*issue*/, const TilePlace& /*place*/) {}));
+                           [](std::size_t /*issue*/, const TilePlace& /*place*/) {}));
   picture.columns = IssuesPicture::kMostColumns;
   picture.rows = IssuesPicture::kMostRows;
   return {};

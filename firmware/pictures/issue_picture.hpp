@@ -40,8 +40,9 @@ struct ShownIssues {
 [[nodiscard]] Status draw_issues(const StackFindings& findings, const PrintGrid& grid, std::string_view name,
                                  MaskOf masks, Arena& arena, std::span<std::uint8_t> rgb);
 
-/// The same for the masks of an R-Rep, which are made anew.
-/// @param arena  a MaskStream is taken from its bottom and released, too
+/// The same for the masks of an R-Rep, which are made anew, beside an overview: the print from the front with the number of each part
+/// at its place.
+/// @param arena  a MaskStream is taken from its bottom and released, too, and before that what a preview takes
 [[nodiscard]] Status draw_issues(const StackFindings& findings, const RRep& rrep, const Supports& supports,
                                  std::string_view name, Arena& arena, std::span<std::uint8_t> rgb);
 

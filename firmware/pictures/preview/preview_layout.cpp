@@ -52,7 +52,7 @@ Layout lay_out(const Extent& extent, const PrintGrid& grid, const Page& page, Vi
   if (!all) {
     layout.width = pixels(layout.width_mm, area_columns);
     layout.tall = layout.height;
-    layout.front_left = (std::int64_t{page.columns} - layout.width) / 2;
+    layout.front_left = (std::int64_t{page.columns} - page.beside - layout.width) / 2;
   } else {
     layout.width = pixels(layout.width_mm, area_columns / 2);
     layout.depth = pixels(layout.depth_mm, std::min(area_columns - 2 * layout.width, page.area_rows()));

@@ -18,8 +18,9 @@ struct Page {
   std::uint32_t margin = 0;           ///< free on the left and the right
   std::uint32_t top = 0, bottom = 0;  ///< rows of the area
   std::uint32_t gap = 0;              ///< least columns between two views
+  std::uint32_t beside = 0;           ///< more columns that are free on the right
 
-  std::uint32_t area_columns(std::uint32_t views) const { return columns - 2 * margin - (views - 1) * gap; }
+  std::uint32_t area_columns(std::uint32_t views) const { return columns - beside - 2 * margin - (views - 1) * gap; }
   std::uint32_t area_rows() const { return bottom - top; }
 };
 

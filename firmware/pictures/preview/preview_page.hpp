@@ -12,6 +12,8 @@ inline constexpr Rgb kInk{236, 232, 224}, kPaleInk{158, 168, 180};
 /// Of the object and of its supports.
 inline constexpr std::array<Rgb, 2> kMaterials{{{255, 243, 222}, {122, 178, 214}}};
 
+inline constexpr std::uint8_t kOfSupports = 1;
+
 /// Fills the page with a grey that darkens upwards.
 void draw_background(const Picture& picture);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "slicer/core/numbers/lanes.hpp"
@@ -40,6 +41,7 @@ const Direction kHalfway = unit(-0.55F, 0.62F, 1.66F);
 /// same and take a fraction of the time.
 struct PixelMap {
   const float* depth;
+  const float* shading;  ///< empty where what is seen casts no shadow
   std::ptrdiff_t columns, rows;
 };
 
@@ -87,7 +89,7 @@ struct Reached {
   Reached(const PixelMap& map, std::ptrdiff_t row, std::ptrdiff_t column, std::ptrdiff_t count, const Step& step)
       : begin(std::max<std::ptrdiff_t>(0, -(column + step.columns))),
         end(std::min(count, map.columns - column - step.columns)),
-        depth(map.depth + (row + step.rows) * map.columns + column + step.columns) {}
+        depth(map.shading + (row + step.rows) * map.columns + column + step.columns) {}
   std::ptrdiff_t begin, end;
   const float* depth;  ///< seen from each of them
 };
@@ -213,16 +215,18 @@ struct PixelSamples {
   std::array<std::size_t, 4> at;
 };
 
-/// The depth of the first sample of each pixel of a row that shows something.
-void take_first_depths(const DepthMap& map, std::ptrdiff_t row, std::span<float> depths) {
+/// The depth of the first sample of each pixel of a row that shows something, and the same of what casts shadows.
+void take_first_depths(const DepthMap& map, std::optional<std::uint8_t> shadowless, std::ptrdiff_t row,
+                       std::span<float> depths, std::span<float> shading) {
   for (std::size_t column = 0; column < depths.size(); ++column) {
     const PixelSamples samples(map, static_cast<std::ptrdiff_t>(column), row);
-    float depth = DepthMap::kEmpty;
+    depths[column] = shading[column] = DepthMap::kEmpty;
     for (std::size_t k = samples.at.size(); k-- > 0;) {
       const float sample = map.depth[samples.at[k]];
-      depth = sample == DepthMap::kEmpty ? depth : sample;
+      if (sample == DepthMap::kEmpty) continue;
+      depths[column] = sample;
+      if (map.material[samples.at[k]] != shadowless) shading[column] = sample;
     }
-    depths[column] = depth;
   }
 }
 
@@ -246,17 +250,18 @@ std::pair<Rgb, float> mixed(const DepthMap& map, const PixelSamples& samples, co
 }  // namespace
 
 void shade_depth(const DepthMap& map, std::span<float> scratch, const Picture& picture, std::int64_t left,
-                 std::int64_t top, std::span<const Rgb> materials) {
+                 std::int64_t top, std::span<const Rgb> materials, std::optional<std::uint8_t> shadowless) {
   assert(map.columns % kSamplesPerPixel == 0 && map.rows % kSamplesPerPixel == 0);
   const std::ptrdiff_t columns = map.columns / kSamplesPerPixel, rows = map.rows / kSamplesPerPixel;
   const Steps steps;
-  const PixelMap pixels{scratch.data(), columns, rows};
+  const auto of_pixels = static_cast<std::size_t>(columns * rows);
+  const PixelMap pixels{scratch.data(), scratch.data() + of_pixels, columns, rows};
 #pragma omp parallel
   {
 #pragma omp for schedule(static)
     for (std::ptrdiff_t row = 0; row < rows; ++row) {
-      take_first_depths(map, row,
-                        scratch.subspan(static_cast<std::size_t>(row * columns), static_cast<std::size_t>(columns)));
+      const auto first = static_cast<std::size_t>(row * columns), count = static_cast<std::size_t>(columns);
+      take_first_depths(map, shadowless, row, scratch.subspan(first, count), scratch.subspan(of_pixels + first, count));
     }
 #pragma omp for schedule(dynamic, 8)
     for (std::ptrdiff_t row = 0; row < rows; ++row) {

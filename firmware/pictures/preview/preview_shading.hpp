@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "firmware/pictures/preview/picture.hpp"
@@ -45,7 +46,8 @@ inline constexpr std::size_t kMostSamples = 3200;
 /// @param scratch    as many as map.depth
 /// @param left, top  pixel of the picture where the map's first sample goes
 /// @param materials  as many as the map has, by index
+/// @param shadowless  the material that casts no shadow: thin supports would hide more of the object than they cover
 void shade_depth(const DepthMap& map, std::span<float> scratch, const Picture& picture, std::int64_t left,
-                 std::int64_t top, std::span<const Rgb> materials);
+                 std::int64_t top, std::span<const Rgb> materials, std::optional<std::uint8_t> shadowless = {});
 
 }  // namespace plumbline::firmware::inline pictures

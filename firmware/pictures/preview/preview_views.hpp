@@ -30,6 +30,7 @@ struct SeenView {
 struct Paint {
   std::span<const Rgb> colours;                     ///< by material
   FunctionRef<void(const SeenView&)> give_colours;  ///< changes the map's materials
+  std::optional<std::uint8_t> shadowless = {};      ///< of shade_depth()
 };
 
 /// Bytes that draw_views() takes from the top of the arena and releases.

@@ -20,7 +20,7 @@ namespace {
 /// The sample's scan as it is read for a picture: with noise, outliers and flying pixels.
 struct ScannedBust {
   explicit ScannedBust(std::uint32_t most) : memory(64U << 20U), arena(memory) {
-    const std::string path = testing::TempDir() + "bust_of_pictures.ply";
+    const std::string path = ::testing::TempDir() + "bust_of_pictures.ply";
     EXPECT_TRUE(write_bust_scan(path, {.points = 100'000}).has_value());
     auto source = FileSource::open(path);
     EXPECT_TRUE(source.has_value());

@@ -5,13 +5,17 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "firmware/pictures/preview/preview_page.hpp"
+#include "firmware/pictures/preview/preview_shading.hpp"
 #include "tests/slicer/support/solid.hpp"
 
 namespace plumbline::firmware {
@@ -197,6 +201,34 @@ struct SphereOnAPillar {
                                  .radius1 = 500}};
   Supports supports;
 };
+
+TEST(Preview, LeavesThePrintBehindASupportInTheLight) {
+  // A wall with a strip of another material far before its middle, from top to bottom.
+  constexpr std::uint32_t kColumns = 200, kRows = 100, kPixels = kColumns / kSamplesPerPixel * kRows / kSamplesPerPixel;
+  constexpr std::array<Rgb, 2> kWhiteAndBlack{{{255, 255, 255}, {0, 0, 0}}};
+  std::vector<float> depth(kColumns * kRows), scratch(depth.size());
+  std::vector<std::uint8_t> materials(depth.size());
+  const DepthMap map{depth, materials, kColumns, kRows};
+  const auto least_beside = [&](bool with_strip, std::optional<std::uint8_t> shadowless) {
+    for (std::uint32_t row = 0; row < kRows; ++row) {
+      for (std::uint32_t column = 0; column < kColumns; ++column) {
+        const bool strip = with_strip && column >= 60 && column < 70;
+        map.show(column, row, strip ? -40.0F : 0.0F, strip);
+      }
+    }
+    std::vector<std::uint8_t> rgb(3 * kPixels);
+    shade_depth(map, scratch, {rgb, kColumns / kSamplesPerPixel, kRows / kSamplesPerPixel}, 0, 0, kWhiteAndBlack,
+                shadowless);
+    int least = 255;
+    for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
+      const std::size_t column = pixel % (kColumns / kSamplesPerPixel);
+      if (column < 30 || column >= 35) least = std::min<int>(least, rgb[3 * pixel]);
+    }
+    return least;
+  };
+  EXPECT_LT(least_beside(true, {}), least_beside(false, {}) * 3 / 4) << "or this test shows nothing";
+  EXPECT_EQ(least_beside(true, 1), least_beside(false, {}));
+}
 
 TEST(Preview, ShowsSupportsInAnotherColour) {
   const SphereOnAPillar scene;
