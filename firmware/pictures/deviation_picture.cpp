@@ -74,7 +74,7 @@ Status draw_deviation(const RRep& rrep, const Supports& supports, const PreviewT
                       std::span<std::uint8_t> rgb) {
   const auto colours = palette();
   const auto paint_view = [&](const SeenView& view) { paint(points, deviations_mm, view); };
-  const Paint how{colours, paint_view};
+  const Paint how{colours, paint_view, kOfSupports};
   PLUMBLINE_TRY(draw_preview(rrep, supports, text, arena, rgb, &how));
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
   const LabelStyle plain{page_faces().plain, kInk};

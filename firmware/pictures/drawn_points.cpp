@@ -153,8 +153,8 @@ Expected<DrawnPoints> DrawnPoints::create(const Cloud& cloud, std::uint32_t most
   const auto alone = static_cast<std::size_t>(std::ranges::count_if(drawn.points_, lies_alone));
   // Where most points lie alone, there is no surface to tell the flying ones from.
   if (2 * alone > drawn.points_.size()) return drawn;
-  std::ranges::remove_if(drawn.points_, lies_alone);
-  drawn.points_ = drawn.points_.first(drawn.points_.size() - alone);
+  const auto end = std::remove_if(drawn.points_.begin(), drawn.points_.end(), lies_alone);
+  drawn.points_ = {drawn.points_.begin(), end};
   drawn.spacing_ = static_cast<double>(edge) * std::sqrt(kAreaAround / mean);
   return drawn;
 }

@@ -30,7 +30,7 @@ class DrawnPoints {
  public:
   /// Chooses the points: of every so many one, and only those with others around them.
   /// @param cloud  not empty
-  /// @param most   of the cloud's points that are looked at; up to 48 bytes of the arena each
+  /// @param most   of the cloud's points that are looked at; up to 68 bytes of the arena each
   /// @param arena  4 bytes a point stay at its top
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<DrawnPoints> create(const Cloud& cloud, std::uint32_t most, Arena& arena);
