@@ -57,7 +57,7 @@ struct Decoded {
     ASSERT_EQ(out.size(), end) << "a run ends with its layer";
   }
   void read_evidence(std::span<const std::uint8_t> bytes, std::size_t z) {
-    const auto [nx, ny, nz, flags] = head;
+    const std::size_t nx = head[0], ny = head[1], nz = head[2];
     const auto at = [&](std::size_t x, std::size_t y, std::size_t k) {
       return x < nx && y < ny && k < nz ? object[(k * ny + y) * nx + x] : 0;
     };
