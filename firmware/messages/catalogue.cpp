@@ -49,6 +49,10 @@ std::string_view source_words(std::string_view word, Language language) {
   return find(kSources[index_of(language)], word);
 }
 
+std::string_view remedy_words(std::string_view key, Language language) {
+  return find(kRemedies[index_of(language)], key);
+}
+
 char decimal_point(Language language) { return kDecimals[index_of(language)]; }
 
 }  // namespace plumbline::firmware

@@ -46,6 +46,10 @@ std::string_view field_words(std::string_view name, Language language);
 /// @param word  one of kSourceWords
 std::string_view source_words(std::string_view word, Language language);
 
+/// What a setting that mends a finding does: "Add supports" for "supports". Its value follows "It is in" and "Make the height".
+/// @param key  Remedy::key
+std::string_view remedy_words(std::string_view key, Language language);
+
 /// '.' or ','
 char decimal_point(Language language);
 

@@ -11,7 +11,7 @@ import sys
 import tomllib
 
 CODES = ("slicer/core/words/told.hpp", "ToldCode"), ("firmware/messages/printer_code.hpp", "PrinterCode")
-SECTIONS = "screen", "fields", "sources", "faults", "page"  # with the same keys in each language
+SECTIONS = "screen", "fields", "sources", "faults", "remedies", "page"  # with the same keys in each language
 PLACE = r"\{\w+(?:\?[^|{}]*\|[^|{}]*)?\}"
 PLACES = re.compile(rf"(?:[^][{{}}]|{PLACE}|\[(?:[^][{{}}]|{PLACE})*\])*")
 
@@ -144,10 +144,11 @@ constexpr std::array<std::string_view, {len(codes) + 1}> kCodeKeys = {{
 """ + table("std::string_view", "kScreen", lambda key, value: quoted(value), list(english["screen"]), "screen")
         + table("KeyedText", "kFields", lambda key, value: f"{{{quoted(key)}, {quoted(value)}}}", list(english["fields"]), "fields")
         + table("KeyedText", "kSources", lambda key, value: f"{{{quoted(key)}, {quoted(value)}}}", list(english["sources"]), "sources")
+        + table("KeyedText", "kRemedies", lambda key, value: f"{{{quoted(key)}, {quoted(value)}}}", list(english["remedies"]), "remedies")
         + table("FaultWords", "kFaults", lambda key, value: f"{{{key[3:]}, {parts(value, 'title', 'meaning', 'remedy')}}}", sorted(english["faults"]), "faults")
         + table("ToldWords", "kTold", lambda key, value: f"{{{parts(value, 'text', 'remedy', 'terminal')}}}", ["none", *codes], "messages"))
 
-    page = {path.stem: text["page"] for path, text in texts.items()}
+    page = {path.stem: text["page"] | {f"mend_{key}": value for key, value in text["remedies"].items()} for path, text in texts.items()}
     printer = {path.stem: {"told": {key: [value["text"], value.get("remedy", "")] for key, value in text["messages"].items() if "text" in value},
                            "faults": text["faults"], "fields": text["fields"], "sources": text["sources"]} for path, text in texts.items()}
     digits = {name: int(count) for name, count in re.findall(r'\{"(\w+)", (-?\d+)\}', formats)}

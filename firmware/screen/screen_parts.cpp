@@ -18,11 +18,12 @@ Colour text_on(Colour ground) { return green_of(ground) > 140 ? ink::kDark : ink
 
 }  // namespace
 
-PixelBox Sheet::body() const {
-  const PixelBox all = page.canvas().all();
-  const int top = px(kTitleRows + 6), bottom = px(kButtonRows + 4);
-  return PixelBox{0, top, all.width, all.height - top - bottom}.inset(px(kMargin), 0);
+PixelBox body_of(const Look& look, const PixelBox& all) {
+  const int top = look.px(kTitleRows + 6), bottom = look.px(kButtonRows + 4);
+  return PixelBox{0, top, all.width, all.height - top - bottom}.inset(look.px(kMargin), 0);
 }
+
+PixelBox Sheet::body() const { return body_of(page.look(), page.canvas().all()); }
 
 int row_height(const Sheet& sheet) { return sheet.px(22); }
 
@@ -84,6 +85,23 @@ void draw_bar(const Sheet& sheet, const PixelBox& box, double fraction) {
   sheet.canvas().fill(box, ink::kTrough);
   const double clamped = std::clamp(fraction, 0.0, 1.0);
   sheet.canvas().fill(box.left_columns(static_cast<int>(std::lround(clamped * box.width))), ink::kGood);
+}
+
+FindingText finding_text(const Sheet& sheet) {
+  const PrinterRecord& record = sheet.record;
+  const FindingRecord& shown = record.findings[sheet.view.finding];
+  FindingText text;
+  if (record.finding_count > 1) text.add("%zu/%zu ", sheet.view.finding + 1, record.finding_count);
+  text.add("⚠ %s", sheet.say(shown.told, shown.text.view()).c_str());
+  return text;
+}
+
+void draw_finding(const Sheet& sheet, const PixelBox& box) {
+  const FindingText text = finding_text(sheet);
+  const Face& face = sheet.look().plain;
+  const auto parts = Page::whole_parts(text.view(), box.width, box.height / face.line_height(), face);
+  const Fit fit = sheet.fit_of(sheet.record.findings[sheet.view.finding].told);
+  sheet.page.paragraph(box, parts, sheet.plain(ink::kAttention, fit));
 }
 
 int draw_message(const Sheet& sheet, const PixelBox& box, std::string_view large, std::string_view plain) {

@@ -36,7 +36,6 @@ struct Sheet {
   const Look& look() const { return page.look(); }
   Canvas& canvas() const { return page.canvas(); }
   int px(int at_320) const { return page.look().px(at_320); }
-  /// Between the title and the buttons, without margins.
   PixelBox body() const;
 
   TextStyle plain(Colour ink = ink::kText, Fit fit = Fit::kMust) const {
@@ -45,6 +44,9 @@ struct Sheet {
   TextStyle bold(Colour ink = ink::kText, Fit fit = Fit::kMust) const { return {look().bold, ink, Align::kLeft, fit}; }
   TextStyle large(Colour ink = ink::kText) const { return {look().large, ink}; }
 };
+
+/// What is between the title and the buttons of a screen, without margins.
+PixelBox body_of(const Look& look, const PixelBox& all);
 
 /// A row's height in lists.
 int row_height(const Sheet& sheet);
@@ -77,6 +79,11 @@ void draw_picture(const Sheet& sheet, const PixelBox& box, const Picture* pictur
   const auto columns = static_cast<int>(picture->columns), rows = static_cast<int>(picture->rows);
   sheet.canvas().draw_rgb(fitted(box, columns, rows), picture->bytes(), columns, rows);
 }
+/// The finding at hand, in as many lines as there is room for.
+void draw_finding(const Sheet& sheet, const PixelBox& box);
+/// The same text, as long as it is: "1/2 ⚠ ..."
+using FindingText = FixedText<512>;
+FindingText finding_text(const Sheet& sheet);
 /// Large text, and below it plain text.
 /// @returns y below both
 int draw_message(const Sheet& sheet, const PixelBox& box, std::string_view large, std::string_view plain);
@@ -103,6 +110,7 @@ void draw_remove_question(const Sheet& sheet);
 void draw_settings(const Sheet& sheet);
 void draw_proposals(const Sheet& sheet);
 void draw_preview_screen(const Sheet& sheet);
+void draw_remedies(const Sheet& sheet);
 void draw_contract(const Sheet& sheet);
 void draw_slicing(const Sheet& sheet);
 void draw_checks(const Sheet& sheet);

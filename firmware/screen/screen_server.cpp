@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "firmware/screen/light_card.hpp"
+#include "firmware/screen/remedy_rows.hpp"
 #include "firmware/screen/screens.hpp"
 #include "firmware/screen/setting_rows.hpp"
 
@@ -76,7 +77,8 @@ std::optional<Event> ScreenServer::filter(const Event& event, const PrinterRecor
   if (record.question_id() != 0 && record.question_id() != drawn_question_ && frames_ > 0) return std::nullopt;
   const auto use = buttons_of(record, view_)[static_cast<std::size_t>(*button)];
   if (!use) {
-    const bool opened = asks || view_.settings_open || view_.contract_open || view_.prints_open || view_.lights_open;
+    const bool opened = asks || view_.settings_open || view_.contract_open || view_.remedies_open ||
+                        view_.prints_open || view_.lights_open;
     return opened ? std::nullopt : std::optional(event);
   }
   if (use->act == ButtonAct::kCommand) {
@@ -89,10 +91,28 @@ std::optional<Event> ScreenServer::filter(const Event& event, const PrinterRecor
 std::optional<Event> ScreenServer::touched(const PrinterRecord& record, CommandTaker& taker) {
   const auto touch = screen_.next_touch();
   if (!touch) return std::nullopt;
+  if (touch->column >= screen_.columns()) return std::nullopt;
+  if (const auto row = touched_remedy(*touch, record)) {
+    view_.remedy = *row;
+    return filter({touch->at, EventKind::kStartPressed}, record, taker);
+  }
   const int top = static_cast<int>(screen_.rows()) - look_.px(kButtonRows);
-  if (static_cast<int>(touch->row) < top || touch->column >= screen_.columns()) return std::nullopt;
+  if (static_cast<int>(touch->row) < top) return std::nullopt;
   const std::size_t third = std::size_t{3} * touch->column / screen_.columns();
   return filter({touch->at, kEvents[third]}, record, taker);
+}
+
+/// @returns the row of the list of remedies that is there; none: that is not open
+std::optional<std::size_t> ScreenServer::touched_remedy(const ScreenTouch& touch, const PrinterRecord& record) const {
+  if (!view_.remedies_open) return std::nullopt;
+  const PixelBox all{0, 0, static_cast<int>(screen_.columns()), static_cast<int>(screen_.rows())};
+  const std::size_t rows = remedy_rows(record, view_);
+  for (std::size_t i = 0; i < rows; ++i) {
+    const PixelBox box = remedy_row_box(look_, all, rows, i);
+    const int y = static_cast<int>(touch.row) - box.y;
+    if (y >= 0 && y < box.height) return i;
+  }
+  return std::nullopt;
 }
 
 /// @returns the event that a command has become
@@ -131,8 +151,22 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
       break;
     }
     case ButtonAct::kCloseProposals: view_.proposals_open = false; break;
-    case ButtonAct::kMoreFindings: ++view_.finding; break;
-    case ButtonAct::kOpenContract: view_.contract_open = true; break;
+    case ButtonAct::kMoreFindings:
+      ++view_.finding;
+      view_.remedies_open = false;
+      break;
+    case ButtonAct::kOpenRemedies: view_.remedies_open = true; break;
+    case ButtonAct::kNextRemedy: view_.remedy = (view_.remedy + 1) % remedy_rows(record, view_); break;
+    case ButtonAct::kTakeRemedy: {
+      const Remedy& remedy = record.findings[view_.finding].remedies.list[view_.remedy];
+      view_.remedies_open = false;
+      return ask(taker, remedy_request(remedy), at);
+    }
+    case ButtonAct::kCloseRemedies: view_.remedies_open = false; break;
+    case ButtonAct::kOpenContract:
+      view_.contract_open = true;
+      view_.remedies_open = false;
+      break;
     case ButtonAct::kGoBack: {
       ClientRequest request;
       request.command = Command::kSettings;

@@ -46,6 +46,7 @@ class ScreenServer {
 
  private:
   std::optional<Event> act(ButtonAct act, const PrinterRecord& record, CommandTaker& taker, TimePoint at);
+  std::optional<std::size_t> touched_remedy(const ScreenTouch& touch, const PrinterRecord& record) const;
   void choose_next(const PrinterRecord& record, CommandTaker& taker);
 
   StatusScreen& screen_;

@@ -43,6 +43,19 @@ Uses uses_on_scans(const PrinterRecord& record, const ScreenView& view) {
   return uses;
 }
 
+/// Leaves the finding at hand: for the next one, or for the values of the print.
+ButtonUse past_finding(const PrinterRecord& record, const ScreenView& view) {
+  return view.finding + 1 < record.finding_count ? ButtonUse{Words::kDoMore, ButtonAct::kMoreFindings}
+                                                 : ButtonUse{Words::kDoChange, ButtonAct::kOpenContract};
+}
+
+Uses uses_on_remedies(const PrinterRecord& record, const ScreenView& view) {
+  const bool is_last = view.remedy + 1 == remedy_rows(record, view);
+  return {is_last ? ButtonUse{Words::kDoOpen, past_finding(record, view).act}
+                  : ButtonUse{Words::kDoTake, ButtonAct::kTakeRemedy},
+          ButtonUse{Words::kDoNext, ButtonAct::kNextRemedy}, ButtonUse{Words::kDoBack, ButtonAct::kCloseRemedies}};
+}
+
 /// Goes through the values, and back behind the last one.
 Uses uses_on_contract(const ScreenView& view) {
   const bool last = view.value + 1 == kContractRows;
@@ -64,6 +77,12 @@ constexpr ButtonUse kOpenCard{Words::kDoLights, ButtonAct::kOpenLights};
 }  // namespace
 
 std::size_t first_contract_row(const PrinterRecord& record) { return takes(record, Command::kSettings) ? 0 : 1; }
+
+std::size_t remedy_rows(const PrinterRecord& record, const ScreenView& view) {
+  if (view.finding >= record.finding_count || !takes(record, Command::kSettings)) return 0;
+  const std::size_t remedies = record.findings[view.finding].remedies.count;
+  return remedies > 0 ? remedies + 1 : 0;
+}
 
 std::size_t rows_of(ListRow row, const PrinterRecord& record) {
   switch (row) {
@@ -119,8 +138,9 @@ Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
     case ScreenKind::kPreview:
       give(kStart, Command::kStart, Words::kDoPrint);
       if (view.contract_open) return uses_on_contract(view);
-      uses[1] = view.finding + 1 < record.finding_count ? ButtonUse{Words::kDoMore, ButtonAct::kMoreFindings}
-                                                        : ButtonUse{Words::kDoChange, ButtonAct::kOpenContract};
+      if (view.remedies_open) return uses_on_remedies(record, view);
+      uses[1] = remedy_rows(record, view) > 0 ? ButtonUse{Words::kDoMend, ButtonAct::kOpenRemedies}
+                                              : past_finding(record, view);
       give(kCancel, Command::kCancel, Words::kDoDecline);
       break;
     case ScreenKind::kSlicing: give(kCancel, Command::kCancel, Words::kDoStop); break;
@@ -165,6 +185,9 @@ ScreenView still_open(const PrinterRecord& record, ScreenView view) {
   view.contract_open = view.contract_open && kind == ScreenKind::kPreview;
   view.value = view.contract_open ? std::max(view.value, first_contract_row(record)) : 0;
   if (kind != ScreenKind::kPreview || view.finding >= record.finding_count) view.finding = 0;
+  const std::size_t remedies = kind == ScreenKind::kPreview && !view.contract_open ? remedy_rows(record, view) : 0;
+  view.remedies_open = view.remedies_open && remedies > 0;
+  if (!view.remedies_open || view.remedy >= remedies) view.remedy = 0;
   view.prints_open = view.prints_open && kind == ScreenKind::kIdle && kept_prints(record) > 0;
   if (!view.prints_open || view.print >= kept_prints(record)) view.print = 0;
   view.lights_open = view.lights_open && has_light_card(kind);

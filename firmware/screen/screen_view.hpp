@@ -34,7 +34,9 @@ struct ScreenView {
   bool asks_to_cancel = false;
   std::uint64_t job = 0;  ///< of asks_to_cancel: which print it is about
   bool asks_to_remove = false;
-  std::size_t finding = 0;  ///< the first one shown
+  std::size_t finding = 0;     ///< the one shown
+  bool remedies_open = false;  ///< of that finding
+  std::size_t remedy = 0;      ///< the row at hand: see remedy_rows()
   bool contract_open = false;
   std::size_t value = 0;     ///< the row at hand: see first_contract_row()
   bool prints_open = false;  ///< the last prints
@@ -59,6 +61,10 @@ enum class ButtonAct : std::uint8_t {
   kTakeProposal,
   kCloseProposals,
   kMoreFindings,
+  kOpenRemedies,
+  kNextRemedy,
+  kTakeRemedy,
+  kCloseRemedies,
   kOpenContract,
   kGoBack,  ///< from what has been sliced to its settings
   kRaiseValue,
@@ -85,6 +91,10 @@ struct ButtonUse {
 inline constexpr std::size_t kContractRows = kPrintKeyCount + 1;
 /// 1: nobody can go back, since the scan is no longer there.
 std::size_t first_contract_row(const PrinterRecord& record);
+
+/// One for each setting that mends the finding at hand, and one that leaves it as it is; 0: there is none, or the scan can't be
+/// sliced anew.
+std::size_t remedy_rows(const PrinterRecord& record, const ScreenView& view);
 
 /// How many rows of a kind the list of scans has.
 std::size_t rows_of(ListRow row, const PrinterRecord& record);

@@ -14,7 +14,9 @@ void draw_kind(const Sheet& sheet) {
   switch (screen_of(sheet.record)) {
     case ScreenKind::kIdle: return sheet.view.prints_open ? draw_prints(sheet) : draw_idle(sheet);
     case ScreenKind::kScans: return sheet.view.settings_open ? draw_settings(sheet) : draw_scans(sheet);
-    case ScreenKind::kPreview: return sheet.view.contract_open ? draw_contract(sheet) : draw_preview_screen(sheet);
+    case ScreenKind::kPreview:
+      if (sheet.view.remedies_open) return draw_remedies(sheet);
+      return sheet.view.contract_open ? draw_contract(sheet) : draw_preview_screen(sheet);
     case ScreenKind::kSlicing: return draw_slicing(sheet);
     case ScreenKind::kChecks: return draw_checks(sheet);
     case ScreenKind::kPrinting: return draw_printing(sheet);

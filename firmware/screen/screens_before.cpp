@@ -232,17 +232,11 @@ void draw_preview_screen(const Sheet& sheet) {
   const Contract& sliced = *record.sliced;
   const PixelBox body = sheet.body();
   const int line = sheet.look().plain.line_height();
-  FixedText<512> finding;
-  Fit fit = Fit::kMust;
   int lines = 3;  // the last one for what was found
   if (record.finding_count > 0) {
-    const FindingRecord& shown = record.findings[sheet.view.finding];
-    fit = sheet.fit_of(shown.told);
-    if (record.finding_count > 1) finding.add("%zu/%zu ", sheet.view.finding + 1, record.finding_count);
-    finding.add("⚠ %s", sheet.say(shown.told, shown.text.view()).c_str());
     // With where it is and what to do it takes three lines, seldom four. The rest is the picture's.
-    const int most = fit == Fit::kMust ? 4 : 3;
-    lines = 2 + std::min(most, Page::lines_of(finding.view(), body.width, sheet.look().plain));
+    const int most = sheet.fit_of(record.findings[sheet.view.finding].told) == Fit::kMust ? 4 : 3;
+    lines = 2 + std::min(most, Page::lines_of(finding_text(sheet).view(), body.width, sheet.look().plain));
   }
   const PixelBox picture = body.top_rows(body.height - lines * line - sheet.px(2));
   const JobPictures* const pictures = record.pictures;
@@ -270,8 +264,7 @@ void draw_preview_screen(const Sheet& sheet) {
     sheet.page.line(rest.top_rows(line), sheet.say(Words::kNoFindings), sheet.plain(ink::kGood));
     return;
   }
-  const auto parts = Page::whole_parts(finding.view(), body.width, lines - 2, sheet.look().plain);
-  sheet.page.paragraph(rest, parts, sheet.plain(ink::kAttention, fit));
+  draw_finding(sheet, rest);
 }
 
 /// Each value with who has said it; what a person has said is green.

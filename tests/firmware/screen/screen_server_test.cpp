@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware/screen/light_card.hpp"
+#include "firmware/screen/remedy_rows.hpp"
 #include "firmware/screen/screen_kind.hpp"
 #include "firmware/screen/setting_rows.hpp"
 #include "tests/firmware/screen/screen_fixture.hpp"
@@ -286,6 +287,73 @@ TEST(ScreenServer, GoesBackFromWhatHasBeenSlicedToItsSettings) {
   }
   EXPECT_FALSE(rig.server.view().contract_open);
   EXPECT_THAT(rig.taker.taken, ElementsAre());
+}
+
+/// Two findings of what has been sliced, the first with two remedies.
+void find_two(PrinterRecord& record) {
+  record.sliced = a_sliced_job();
+  Remedies remedies;
+  remedies.add("units", "cm");
+  remedies.add("units", "m");
+  record.add_finding(Severity::kWarning, "an issue", {}, remedies);
+  record.add_finding(Severity::kWarning, "another one");
+}
+
+TEST(ScreenServer, MendsAFindingByButtons) {
+  Rig rig(kOffered);
+  find_two(*rig.record);
+  EXPECT_FALSE(rig.press(kPausePressed));
+  ASSERT_TRUE(rig.server.view().remedies_open);
+  EXPECT_FALSE(rig.press(kPausePressed));
+  rig.taker.slices_again = true;
+  const auto again = rig.server.filter({TimePoint(), kStartPressed}, *rig.record, rig.taker);
+  EXPECT_TRUE(again && again->kind == kCancelPressed && again->named) << "the question is over: it is sliced again";
+  EXPECT_THAT(rig.taker.taken, ElementsAre("set units=m"));
+  EXPECT_FALSE(rig.server.view().remedies_open);
+}
+
+TEST(ScreenServer, LeavesAFindingAsItIsByTheLastRow) {
+  Rig rig(kOffered);
+  find_two(*rig.record);
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(rig.press(kPausePressed));
+  EXPECT_EQ(rig.server.view().remedy, 2U);
+  EXPECT_FALSE(rig.press(kStartPressed)) << "this prints nothing";
+  EXPECT_FALSE(rig.server.view().remedies_open);
+  EXPECT_EQ(rig.server.view().finding, 1U);
+  EXPECT_TRUE(rig.press(kStartPressed)) << "the preview prints";
+  EXPECT_FALSE(rig.press(kPausePressed)) << "the second one has no remedy";
+  EXPECT_TRUE(rig.server.view().contract_open);
+  EXPECT_THAT(rig.taker.taken, ElementsAre());
+}
+
+TEST(ScreenServer, MendsNothingThatCannotBeSlicedAgain) {
+  Rig rig(kOffered);
+  find_two(*rig.record);
+  rig.press(kPausePressed);
+  rig.record->has_stick = false;
+  EXPECT_FALSE(rig.press(kPausePressed)) << "goes on to the next one";
+  EXPECT_FALSE(rig.server.view().remedies_open);
+  EXPECT_EQ(rig.server.view().finding, 1U);
+}
+
+TEST(ScreenServer, MendsAFindingByATouch) {
+  Rig rig(kOffered);
+  find_two(*rig.record);
+  rig.taker.slices_again = true;
+  const auto touch = [&](int row) {
+    rig.screen.touch = ScreenTouch{TimePoint() + 5s, 100, static_cast<std::uint32_t>(row)};
+    return rig.server.touched(*rig.record, rig.taker);
+  };
+  const Look look(320, 240);
+  const PixelBox box = remedy_row_box(look, {0, 0, 320, 240}, 3, 0);
+  EXPECT_FALSE(touch(box.y + 1)) << "the rows are not there yet";
+  EXPECT_THAT(rig.taker.taken, ElementsAre());
+  rig.press(kPausePressed);
+  EXPECT_FALSE(touch(box.y - 1)) << "above them";
+  EXPECT_THAT(rig.taker.taken, ElementsAre());
+  const auto again = touch(box.y + box.height);
+  EXPECT_TRUE(again && again->kind == kCancelPressed && again->named);
+  EXPECT_THAT(rig.taker.taken, ElementsAre("set units=m"));
 }
 
 TEST(ScreenServer, ChangesEachSettingByOneButton) {

@@ -22,6 +22,7 @@
 #include "firmware/messages/told_text.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/screen/light_card.hpp"
+#include "firmware/screen/remedy_rows.hpp"
 #include "firmware/screen/screen_kind.hpp"
 #include "firmware/screen/setting_rows.hpp"
 #include "tests/firmware/screen/screen_fixture.hpp"
@@ -37,6 +38,16 @@ struct Size {
 constexpr Size kSmall{320, 240}, kMiddle{800, 480};
 /// Panels that one can buy, upright ones too.
 constexpr std::array kSizes = {kSmall, Size{480, 320}, kMiddle, Size{1024, 600}, Size{480, 800}, Size{1280, 720}};
+
+void find_units_guessed(PrinterRecord& record) {
+  Remedies remedies;
+  for (const char* unit : {"cm", "m", "in"}) remedies.add("units", unit);
+  record.add_finding(
+      Severity::kWarning,
+      "the scan's unit is not stated: mm is a guess, and makes it 62.1 mm long. If that is wrong, choose "
+      "a height under Settings",
+      {PrinterCode::kUnitsGuessed, {{Fact::kLongestMm, 62.1}}, "mm"}, remedies);
+}
 
 /// The screens that have a golden picture.
 std::vector<ScreenCase> golden_cases() {
@@ -192,6 +203,32 @@ std::vector<ScreenCase> golden_cases() {
                                               {Fact::kFromMm, 40.15}}});
                          record.add_finding(Severity::kWarning, "1 suction cup at layer 20, 3.2 ml");
                        })},
+      {"preview-mended", with(kOffered,
+                              [](auto& record, auto&) {
+                                record.sliced = a_sliced_job();
+                                find_units_guessed(record);
+                              })},
+      {"remedies", with(kOffered,
+                        [](auto& record, auto& view) {
+                          record.sliced = a_sliced_job();
+                          find_units_guessed(record);
+                          record.add_finding(Severity::kWarning, "1 suction cup at layer 20, 3.2 ml");
+                          view.remedies_open = true;
+                          view.remedy = 1;
+                        })},
+      {"remedies-size", with(kOffered,
+                             [](auto& record, auto& view) {
+                               record.sliced = a_sliced_job();
+                               Remedies remedies;
+                               remedies.add("height", "40.15mm");
+                               record.add_finding(Severity::kWarning,
+                                                  "the object will be 39.85 mm high instead of 40 mm: what reaches "
+                                                  "beyond that is noise, or too thin to print",
+                                                  {PrinterCode::kSizeOff,
+                                                   {{PrinterFact::kDeliveredMm, 39.85}, {PrinterFact::kAskedMm, 40}}},
+                                                  remedies);
+                               view.remedies_open = true;
+                             })},
       {"preview-clean", with(kOffered, [](auto& record, auto&) { record.sliced = a_sliced_job(); })},
       {"contract", with(kOffered,
                         [](auto& record, auto& view) {
@@ -422,6 +459,60 @@ TEST(Screens, EachFindingFitsInGermanWithWhatToDo) {
       for (int i = 0; i < 12; ++i) record.add_finding(Severity::kWarning, std::string(150, 'w'), longest_told(code));
     });
   }
+}
+
+TEST(Screens, EachFindingFitsWithAsManyRemediesAsItCanHave) {
+  for (const ToldCode code : codes(PrinterCode::kIsland, PrinterCode::kReportFull)) {
+    SCOPED_TRACE(to_string(code));
+    expect_all_fit([&](PrinterRecord& record, ScreenView& view) {
+      fill_in(record, kOffered);
+      record.sliced = a_sliced_job();
+      Remedies remedies;
+      const auto finding = static_cast<PrinterCode>(code);
+      const bool is_of_units = finding == PrinterCode::kUnitsGuessed || finding == PrinterCode::kObjectSmall ||
+                               finding == PrinterCode::kObjectLarge;
+      for (int i = 0; i < (is_of_units ? 3 : 1); ++i) remedies.add("units", "mm");
+      for (int i = 0; i < 12; ++i) {
+        record.add_finding(Severity::kWarning, std::string(150, 'w'), longest_told(code), remedies);
+      }
+      view.remedies_open = true;
+    });
+  }
+}
+
+TEST(Screens, EachRemedyFits) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kAll = {{{"supports", "auto"},
+                                                                                   {"orient", "auto"},
+                                                                                   {"rotate_x_deg", "180"},
+                                                                                   {"rotate_y_deg", "-90"},
+                                                                                   {"units", "cm"},
+                                                                                   {"floor", "keep"},
+                                                                                   {"keep_all", "true"},
+                                                                                   {"height", "1240.15mm"},
+                                                                                   {"width", "1240.15mm"},
+                                                                                   {"depth", "1240.15mm"},
+                                                                                   {"length", "1240.15mm"}}};
+  for (const auto& [key, value] : kAll) {
+    SCOPED_TRACE(key);
+    expect_all_fit([&](PrinterRecord& record, ScreenView& view) {
+      fill_in(record, kOffered);
+      record.sliced = a_sliced_job();
+      Remedies remedies;
+      remedies.add(key, value);
+      record.add_finding(Severity::kWarning, "an issue", {}, remedies);
+      view.remedies_open = true;
+    });
+  }
+  const auto text = [](std::string_view key, std::string_view value, Language language) {
+    Remedies remedies;
+    remedies.add(key, value);
+    return std::string(remedy_text(remedies.list[0], language).view());
+  };
+  EXPECT_EQ(text("supports", "auto", Language::kEnglish), "Add supports");
+  EXPECT_EQ(text("units", "mm", Language::kEnglish), "It is in mm");
+  EXPECT_EQ(text("units", "in", Language::kGerman), "Es ist in Zoll");
+  EXPECT_EQ(text("height", "40.15mm", Language::kEnglish), "Make the height 40.15 mm");
+  EXPECT_EQ(text("height", "40.15mm", Language::kGerman), "Höhe ändern auf 40,15 mm");
 }
 
 TEST(Screens, EachRefusalFitsInGermanWithWhatToDo) {
