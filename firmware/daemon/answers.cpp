@@ -29,6 +29,7 @@ Expected<std::optional<Event>> Answers::look() {
   record_.waits = false;
   PLUMBLINE_TRY(event);
   recorder_.idle();
+  surroundings_.look();
   if (*event && (*event)->kind == EventKind::kShutdownRequested) shutdown_ = true;
   return event;
 }

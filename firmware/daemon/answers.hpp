@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "firmware/daemon/state_recorder.hpp"
+#include "firmware/daemon/surroundings.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "hal/machine.hpp"
 #include "slicer/core/error.hpp"
@@ -20,8 +21,8 @@ class Answers {
   static constexpr nanoseconds kSettle = std::chrono::seconds(1);
 
   /// All must outlive it.
-  Answers(Machine& machine, PrinterRecord& record, StateRecorder& recorder)
-      : machine_(machine), record_(record), recorder_(recorder) {}
+  Answers(Machine& machine, PrinterRecord& record, StateRecorder& recorder, Surroundings& surroundings)
+      : machine_(machine), record_(record), recorder_(recorder), surroundings_(surroundings) {}
 
   /// Work that is done while somebody is waited for. It never waits, and returns whether it goes on. Empty: there is none.
   std::function<bool()> background;
@@ -44,6 +45,7 @@ class Answers {
   Machine& machine_;
   PrinterRecord& record_;
   StateRecorder& recorder_;
+  Surroundings& surroundings_;
   bool shutdown_ = false;
 };
 

@@ -46,7 +46,8 @@ PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, S
       observer_(record, machine.stick, observer, settings.id_seed),
       slicing_(child, machine, arena, observer_, settings.slicing_patience),
       decoder_(child, printer_volume(settings.board)),
-      answers_(machine, record, observer_),
+      surroundings_(machine, settings.machine, machine_record, record),
+      answers_(machine, record, observer_, surroundings_),
       uploads_(uploads),
       commands_(record, observer_, answers_, machine_record, uploads, settings.report_path) {
   record.state = PrintState::kIdle;

@@ -119,6 +119,7 @@ class PrinterDaemon {
   StateRecorder observer_;
   ScanSlicing slicing_;
   ChildLayerDecoder decoder_;
+  Surroundings surroundings_;
   Answers answers_;
   FaultCode fault_ = FaultCode::kNone;
   Uploads& uploads_;

@@ -26,7 +26,8 @@ struct FaultWords {
   std::string_view next;     ///< another
 };
 
-/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers, kScansAsOne, kFolderHolds and kProposal one, kTimeLeft and kPageCode a %s.
+/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers, kScansAsOne, kFolderHolds and kProposal one, kTimeLeft, kPageCode, kResinLeft, kLampHas, kResinHas and kBoardHas
+/// a %s.
 std::string_view words(Words which, Language language);
 
 /// The texts have places: {area_mm2} is a fact and {name} Told::text; {count?Insel|Inseln} chooses by whether the fact is 1; what stands in [ ]

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "firmware/canvas/qr_code.hpp"
 #include "firmware/io/text/fixed_text.hpp"
 #include "firmware/messages/catalogue.hpp"
 #include "firmware/messages/told_text.hpp"
@@ -25,6 +26,7 @@ struct Sheet {
   const ScreenView& view;
   Language language;
   const PreviewPicture* kept_preview;  ///< nullptr: there is none
+  const QrCode* address_code;          ///< of the record's address; nullptr: there is none
 
   std::string_view say(Words which) const { return words(which, language); }
   /// @param english  the sentence beside it

@@ -55,7 +55,13 @@ void ScreenServer::show(const PrinterRecord& record, nanoseconds spare) {
   Page page(canvas, look_);
   const auto wanted = preview_wanted(record, view_);
   const bool can_show = wanted && kept_preview_;
-  draw_screen(page, record, view_, language_, can_show ? kept_preview_->of(*record.prints, *wanted) : nullptr);
+  // Only at rest: making a code takes memory from the heap, and gives it back.
+  if (record.state == PrintState::kIdle && coded_.view() != record.address.view()) {
+    coded_ = record.address;
+    address_code_ = QrCode(coded_.view());
+  }
+  draw_screen(page, record, view_, language_, can_show ? kept_preview_->of(*record.prints, *wanted) : nullptr,
+              &address_code_);
   if (frames_ == 0 || next_ != shown_) {
     if (screen_.present(next_)) {
       std::swap(next_, shown_);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "firmware/canvas/qr_code.hpp"
 #include "firmware/screen/kept_preview.hpp"
 #include "firmware/screen/look.hpp"
 #include "firmware/screen/screen_view.hpp"
@@ -54,6 +55,8 @@ class ScreenServer {
   Look look_;
   std::vector<Colour> shown_, next_;
   Expected<KeptPreview> kept_preview_;  ///< an error: kept prints are listed without a picture
+  FixedText<96> coded_;                 ///< what address_code_ says
+  QrCode address_code_;
   ScreenView view_;
   TimePoint asked_at_;
   std::uint64_t drawn_question_ = 0;  ///< PrinterRecord::question_id() when the screen was drawn last

@@ -37,8 +37,8 @@ std::optional<std::uint32_t> preview_wanted(const PrinterRecord& record, const S
 }
 
 void draw_screen(Page& page, const PrinterRecord& record, const ScreenView& view, Language language,
-                 const PreviewPicture* kept_preview) {
-  const Sheet sheet{page, record, view, language, kept_preview};
+                 const PreviewPicture* kept_preview, const QrCode* address_code) {
+  const Sheet sheet{page, record, view, language, kept_preview, address_code};
   draw_kind(sheet);
   draw_buttons(sheet);
 }

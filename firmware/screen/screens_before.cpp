@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/canvas/qr_code.hpp"
 #include "firmware/messages/catalogue.hpp"
 #include "firmware/screen/screen_parts.hpp"
 #include "firmware/screen/setting_rows.hpp"
@@ -56,22 +57,80 @@ void draw_hint(const Sheet& sheet, const PixelBox& box, const JobRecord& job) {
 
 }  // namespace
 
+namespace {
+
+ShortText resin_text(const Sheet& sheet, const MachineRecord& machine) {
+  if (!machine.resin_ml()) return {};
+  return filled_in(sheet.say(Words::kResinLeft), decimal(*machine.resin_ml(), 1, sheet.language).c_str());
+}
+
+/// "Lamp 31 · Resin 24 °C": of the sensors that answer.
+ShortText temperatures_text(const Sheet& sheet, const MachineRecord& machine) {
+  constexpr std::array kPatterns = {Words::kLampHas, Words::kResinHas, Words::kBoardHas};  // by TemperatureSite
+  static_assert(kPatterns.size() == kTemperatureSiteCount);
+  ShortText text;
+  for (std::size_t i = 0; i < kTemperatureSiteCount; ++i) {
+    const auto read = machine.latest(static_cast<TemperatureSite>(i));
+    if (!read) continue;
+    const auto shown =
+        filled_in(sheet.say(kPatterns[i]), decimal(std::round(read->value()) + 0.0, 0, sheet.language).c_str());
+    text.add("%s%s", text.view().empty() ? "" : " · ", shown.c_str());
+  }
+  if (!text.view().empty()) text.add(" °C");
+  return text;
+}
+
+/// The address of the printer's page at the bottom, and its code at the right.
+/// @returns the room that is left
+PixelBox draw_address(const Sheet& sheet, const PixelBox& body) {
+  std::string_view address = sheet.record.address.view();
+  if (address.empty()) return body;
+  PixelBox left = body;
+  if (const QrCode* const code = sheet.address_code; code != nullptr) {
+    const int side = code->side_in(std::min(body.height, body.width * 2 / 5));
+    code->draw(sheet.canvas(), body.right() - side, body.y, side);
+    if (side > 0) left = body.left_columns(body.width - side - sheet.px(8));
+  }
+  const Face& face = sheet.look().plain;
+  constexpr std::string_view kScheme = "http://";  // browsers add it
+  if (face.width(address) > left.width && address.starts_with(kScheme)) address.remove_prefix(kScheme.size());
+  constexpr int kMostLines = 2;  // a machine's name can be long
+  const int rows = std::min(kMostLines, Page::lines_of(address, left.width, face)) * face.line_height();
+  sheet.page.paragraph(left.from_row(left.height - rows), address, sheet.plain(ink::kText, Fit::kMayCut));
+  return left.top_rows(left.height - rows);
+}
+
+/// What to do, as large as fits, and what else there is to say, if there is room.
+void draw_what_to_do(const Sheet& sheet, const PixelBox& box, std::string_view what, std::string_view more) {
+  const Look& look = sheet.look();
+  const auto rows = [&](const Face& face) { return Page::lines_of(what, box.width, face) * face.line_height(); };
+  const int rows_more = sheet.px(4) + Page::lines_of(more, box.width, look.plain) * look.plain.line_height();
+  const Face& face = rows(look.large) + rows_more <= box.height ? look.large : look.bold;
+  const int y = sheet.page.paragraph(box, what, {face}) + sheet.px(4);
+  const PixelBox rest = box.from_row(y - box.y);
+  if (rows(face) + rows_more <= box.height) sheet.page.paragraph(rest, more, sheet.plain(ink::kPale));
+}
+
+}  // namespace
+
 void draw_idle(const Sheet& sheet) {
   draw_title(sheet, sheet.say(Words::kReady));
   PixelBox body = sheet.body();
-  if (const MachineRecord* const machine = sheet.record.machine; machine != nullptr && machine->resin_ml()) {
-    const int line = sheet.look().plain.line_height();
-    const auto left = decimal(*machine->resin_ml(), 1, sheet.language);
-    sheet.page.line(body.from_row(body.height - line), filled_in(sheet.say(Words::kResinLeft), left.c_str()).view(),
-                    sheet.plain(ink::kPale));
-    body = body.top_rows(body.height - line);
+  if (const MachineRecord* const machine = sheet.record.machine; machine != nullptr) {
+    for (const ShortText& text : {temperatures_text(sheet, *machine), resin_text(sheet, *machine)}) {
+      if (text.view().empty()) continue;
+      const int rest = body.height - sheet.look().plain.line_height();
+      sheet.page.line(body.from_row(rest), text.view(), sheet.plain(ink::kPale));
+      body = body.top_rows(rest);
+    }
   }
+  body = draw_address(sheet, body);
   if (sheet.record.has_stick) {
-    draw_message(sheet, body, sheet.say(Words::kStickIsIn), sheet.say(Words::kShowAgain));
+    draw_what_to_do(sheet, body, sheet.say(Words::kStickIsIn), sheet.say(Words::kShowAgain));
   } else {
     const bool has_upload = takes(sheet.record, Command::kOffer);
-    draw_message(sheet, body, sheet.say(Words::kPlugIn),
-                 sheet.say(has_upload ? Words::kShowUpload : Words::kScanKinds));
+    draw_what_to_do(sheet, body, sheet.say(Words::kPlugIn),
+                    sheet.say(has_upload ? Words::kShowUpload : Words::kScanKinds));
   }
 }
 

@@ -211,7 +211,8 @@ struct PrinterRecord {
   bool has_report = false;                 ///< that of the last print may be asked for, when the printer is at rest
   const MachineRecord* machine = nullptr;  ///< what the printer remembers; none: nothing
   const KeptPrints* prints = nullptr;      ///< reports and previews of the last prints; none: nobody keeps them
-  FixedText<8> code;  ///< that the screen shows to pair a browser; empty: none. Never in a state line
+  FixedText<96> address;  ///< of the printer's page, as a browser takes it; empty: there is none, or no network
+  FixedText<8> code;      ///< that the screen shows to pair a browser; empty: none. Never in a state line
 
   /// What an answer answers now; 0: nobody is asked.
   std::uint64_t question_id() const { return (at_rest(state) && waits) || waits_for_start(state) ? asks : 0; }

@@ -265,6 +265,17 @@ void write_hottest(JsonWriter& json, const MachineRecord& machine) {
   json.end_object();
 }
 
+void write_temperatures(JsonWriter& json, const PrinterRecord& record) {
+  json.begin_object(kOneLine);
+  for (std::size_t i = 0; i < kTemperatureSiteCount; ++i) {
+    const auto site = static_cast<TemperatureSite>(i);
+    const auto read = record.machine != nullptr ? record.machine->latest(site) : std::nullopt;
+    // Without a fraction: what a sensor scatters by would make a new state every few seconds. + 0.0 turns -0 into 0.
+    json.member(to_string(site), mapped(read, [](Celsius c) { return std::round(c.value()) + 0.0; }));
+  }
+  json.end_object();
+}
+
 void write_unseen_faults(JsonWriter& json, const MachineRecord& machine) {
   json.begin_array(kOneLine);
   for (std::size_t i = 0; i < machine.fault_count(); ++i) json.value(machine.fault(i).code);
@@ -339,6 +350,7 @@ void write_commands(JsonWriter& json, const PrinterRecord& record) {
 constexpr JsonField<PrinterRecord> kStateFields[] = {
     {"printer", member<&PrinterRecord::printer>},
     {"simulated", member<&PrinterRecord::simulated>},
+    {"address", text_or_null<&PrinterRecord::address>},
     {"state", member<&PrinterRecord::state>},
     {"message", text_or_null<&PrinterRecord::message>},
     {"message_told", told<&PrinterRecord::message_told>},
@@ -365,6 +377,7 @@ constexpr JsonField<PrinterRecord> kStateFields[] = {
     {"progress", object<&PrinterRecord::progress, kProgressFields>},
     {"resin", write_resin},
     {"machine", object<&PrinterRecord::machine, kMachineFields>},
+    {"temperatures_c", write_temperatures},
     {"checks", write_checks},
     {"findings",
      [](auto& json, auto& r) { write_objects(json, kFindingFields, std::span(r.findings).first(r.finding_count)); }},

@@ -55,6 +55,7 @@ ONE_SOURCE_FILE = {
     "zlib.h": "at most",
     "spng.h": "at most",
     "freetype/freetype.h": "at most",
+    "qrencode.h": "at most",
     "seccomp.h": "at most",
     "minizip/zip.h": "at most",
     "minizip/unzip.h": "at most",

@@ -223,6 +223,7 @@ Status MachineRecord::add_interrupted(const JobStore& store) {
 }
 
 void MachineRecord::felt(TemperatureSite site, Celsius temperature) {
+  feels(site, temperature);
   std::int32_t& hottest = facts_.hottest_mc[static_cast<std::size_t>(site)];
   hottest = std::max(hottest, static_cast<std::int32_t>(std::lround(temperature.value() * kMillidegrees)));
 }

@@ -104,9 +104,15 @@ class MachineRecord {
   std::chrono::milliseconds lamp_lit() const { return std::chrono::milliseconds(facts_.lamp_ms); }
   std::uint64_t film_layers() const { return facts_.film_layers; }  ///< cured on the film
 
-  /// A temperature that was read. Not durable before the next keep().
+  /// A temperature that was read in a print. Not durable before the next keep().
   void felt(TemperatureSite site, Celsius temperature);
-  /// The highest that was read; none: none was.
+  /// One that was read at rest; none: its sensor does not answer. It is not kept.
+  void feels(TemperatureSite site, std::optional<Celsius> temperature) {
+    latest_[static_cast<std::size_t>(site)] = temperature;
+  }
+  /// The one that was read last; none: none was, or its sensor did not answer.
+  std::optional<Celsius> latest(TemperatureSite site) const { return latest_[static_cast<std::size_t>(site)]; }
+  /// The highest that was read in a print; none: none was.
   std::optional<Celsius> hottest(TemperatureSite site) const;
 
   /// Keeps a fault until somebody has seen it. Of more than kMostFaults the oldest is dropped. Durable when it returns.
@@ -163,6 +169,7 @@ class MachineRecord {
   Facts facts_ = fresh();
   bool was_damaged_ = false;
   std::uint32_t fills_ = 0;
+  std::array<std::optional<Celsius>, kTemperatureSiteCount> latest_;
 };
 
 /// Opens the printer's record and adds what an interrupted print has used since.

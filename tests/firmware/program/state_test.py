@@ -89,6 +89,8 @@ class State(StatePrinter):
         self.assertAlmostEqual(machine["resin_ml"], 180 - done["resin"]["used_ml"], delta=0.002)
         self.assertEqual((machine["filled_ml"], machine["film_layers"], machine["unseen_faults"]), (180, done["progress"]["layers"], []))
         self.assertGreater(machine["hottest_c"]["lamp"], 25)
+        self.assertLessEqual(done["temperatures_c"]["lamp"], round(machine["hottest_c"]["lamp"]))
+        self.assertIsNone(done["address"], "sim2k has no page on the network")
         user.refused("a full tank holds 180 ml", "filled", ml=181)
         user.do("filled", ml=50.5)
         user.until(lambda s: s["machine"]["resin_ml"] == 50.5, "what somebody says")

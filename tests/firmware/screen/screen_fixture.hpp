@@ -24,7 +24,8 @@ struct DrawnScreen {
     const ScreenView open = still_open(record, view);
     const auto wanted = preview_wanted(record, open);
     auto previews = KeptPreview::create();
-    draw_screen(page, record, open, language, wanted ? previews->of(*record.prints, *wanted) : nullptr);
+    const QrCode code(record.address.view());
+    draw_screen(page, record, open, language, wanted ? previews->of(*record.prints, *wanted) : nullptr, &code);
   }
   /// Made once for each size.
   static const Look& look_of(int columns, int rows) {
@@ -187,6 +188,19 @@ inline const KeptPrints& some_prints() {
     return std::move(*opened);
   }();
   return prints;
+}
+
+/// A tank that is not full, and sensors that answer.
+inline const MachineRecord& some_machine() {
+  static const MachineRecord machine = [] {
+    MachineRecord made(180);
+    EXPECT_TRUE(made.fill(134.5));
+    made.feels(TemperatureSite::kLamp, Celsius(31.2));
+    made.feels(TemperatureSite::kResin, Celsius(24.4));
+    made.feels(TemperatureSite::kBoard, Celsius(45.6));
+    return made;
+  }();
+  return machine;
 }
 
 inline PrintStatus status_of(PrintState state) {

@@ -156,6 +156,22 @@ TEST(KeptPreview, IsThePictureThatWasKept) {
   }
 }
 
+TEST(ScreenServer, DrawsAnotherCodeForAnotherAddress) {
+  Rig rig(kIdle);
+  assign(rig.record->address, "http://192.168.1.2:8080");
+  rig.server.show(*rig.record, 1h);
+  const auto next = [&](std::string_view address) {
+    assign(rig.record->address, address);
+    rig.press(kCancelPressed);  // opens the card of lights, so that the next frame is due at once
+    rig.press(kCancelPressed);
+    rig.server.show(*rig.record, 1h);
+    return rig.screen.frames;
+  };
+  EXPECT_EQ(next("http://192.168.1.2:8080"), 1U);
+  EXPECT_EQ(next("http://192.168.1.3:8080"), 2U);
+  EXPECT_EQ(next(""), 3U);
+}
+
 TEST(ScreenServer, ShowsTheCardOfLightsWhileNobodyIsInAHurry) {
   Rig rig(kPlateInUse);
   EXPECT_FALSE(rig.press(kCancelPressed));

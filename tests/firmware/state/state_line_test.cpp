@@ -41,6 +41,7 @@ Told longest_told() {
 std::unique_ptr<PrinterRecord> longest_record() {
   auto record = std::make_unique<PrinterRecord>();
   fill(record->printer);
+  fill(record->address);
   fill(record->message);
   fill(record->question);
   record->has_stick = record->has_job_file = true;
@@ -139,12 +140,27 @@ TEST(StateLine, HasWhatThePrinterRemembers) {
   const TemporaryFolder folder;
   MachineRecord machine = MachineRecord::open(folder / ".", 180).value();
   ASSERT_TRUE(machine.add_fault(FaultCode::kStickGone, ""));
+  machine.feels(TemperatureSite::kLamp, Celsius(31.6));
+  machine.feels(TemperatureSite::kResin, Celsius(-2.4));
   record.machine = &machine;
   const auto another = std::make_unique<StateLine>();
   ASSERT_TRUE(write_state_line(*another, record, 1));
   EXPECT_EQ(json_member(another->view(), "machine"),
             "{\"resin_ml\": null, \"filled_ml\": null, \"tank_ml\": 180, \"lamp_h\": 0, \"film_layers\": 0, "
-            "\"hottest_c\": {\"lamp\": null, \"resin\": null, \"board\": null}, \"unseen_faults\": [\"PL-107\"]}");
+            "\"hottest_c\": {\"lamp\": null, \"resin\": null, \"board\": null}, \"unseen_faults\": [\"PL-107\"]}")
+      << "what was read at rest is not of the highest";
+  EXPECT_EQ(json_member(line->view(), "temperatures_c"), "{\"lamp\": null, \"resin\": null, \"board\": null}");
+  EXPECT_EQ(json_member(another->view(), "temperatures_c"), "{\"lamp\": 32, \"resin\": -2, \"board\": null}");
+}
+
+TEST(StateLine, HasTheAddressOfThePage) {
+  PrinterRecord record;
+  const auto line = std::make_unique<StateLine>(), another = std::make_unique<StateLine>();
+  ASSERT_TRUE(write_state_line(*line, record, 1));
+  EXPECT_EQ(json_member(line->view(), "address"), "null");
+  assign(record.address, "http://192.168.1.2:8080");
+  ASSERT_TRUE(write_state_line(*another, record, 1));
+  EXPECT_EQ(json_member(another->view(), "address"), "\"http://192.168.1.2:8080\"");
 }
 
 TEST(StateLine, OfTheLongestRecordFits) {
@@ -164,7 +180,7 @@ TEST(StateLine, OfTheLongestRecordFits) {
   for (std::size_t i = 0; i < MachineRecord::kMostFaults; ++i)
     ASSERT_TRUE(machine.add_fault(FaultCode::kStickGone, ""));
   for (std::size_t i = 0; i < kTemperatureSiteCount; ++i)
-    machine.felt(static_cast<TemperatureSite>(i), Celsius(99.999));
+    machine.felt(static_cast<TemperatureSite>(i), Celsius(149.999));
   const auto record = longest_record();
   record->prints = &*prints;
   record->machine = &machine;
