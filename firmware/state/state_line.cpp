@@ -389,7 +389,7 @@ constexpr JsonField<PrinterRecord> kStateFields[] = {
 void write_told(JsonWriter& json, const Told& told) {
   if (told.empty()) return json.null();
   json.begin_object(kOneLine);
-  json.member("code", told.code);
+  json.member("code", firmware::to_string(told.code));
   json.begin_object("values", kOneLine);
   for (std::size_t i = 0; i < told.count; ++i) {
     json.member(format_of(told.facts[i]).name, thousandths(told.values[i]));

@@ -4,12 +4,14 @@ that mean harm. The schema of firmware/state checks every line where python3-jso
 
 import json
 import os
+import shutil
 import socket
 import stat
 import subprocess
 import threading
 import time
 import unittest
+from pathlib import Path
 
 from case import PLUMBLINE, SOURCE_DIR, main, write_sphere
 from state_client import SCHEMA, SECONDS, Client, Draft202012Validator, StatePrinter
@@ -151,6 +153,19 @@ class State(StatePrinter):
         self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
         shown = self.run_it("status", "--socket", self.path, "--prints").stdout
         self.assertRegex(shown, r"(?m)^ +2 .* cancelled .* b\.ply\n +1 .* finished .* b\.ply$")
+
+    def test_says_where_its_page_is_and_how_warm_it_is(self):
+        shutil.copytree(SOURCE_DIR / "board/profiles", self.dir / "profiles")
+        printer = self.dir / "sim2k.toml"
+        printer.write_text((SOURCE_DIR / "board/sim2k.toml").read_text().replace('page = "off"', 'page = "network"'))
+        _, user = self.start(printer=printer)
+        state = user.state("idle")
+        self.assertEqual(state["temperatures_c"], {"lamp": 25, "resin": 25, "board": 45})
+        if state["address"] is None:
+            up = [path.parent.name for path in Path("/sys/class/net").glob("*/operstate") if path.read_text().strip() == "up"]
+            self.assertEqual([name for name in up if name != "lo"], [])
+        else:
+            self.assertRegex(state["address"], r"^http://([\d.]+|[\w-]+\.local):8080$")
 
     def test_a_fault_says_what_to_do_and_its_scan_is_marked(self):
         daemon, user = self.start()
