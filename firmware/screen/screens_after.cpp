@@ -131,7 +131,8 @@ void draw_fault(const Sheet& sheet) {
   const auto told = told_words(fault->told.code, sheet.language);
   const bool english = sheet.language == Language::kEnglish;
   const bool own = english ? !fault->remedy.view().empty() : told && !told->remedy.empty();
-  const std::string_view remedy = !own ? known.next : english ? fault->remedy.view() : told->remedy;
+  const ToldText filled = own && !english ? filled_in(told->remedy, fault->told, sheet.language) : ToldText();
+  const std::string_view remedy = !own ? known.next : english ? fault->remedy.view() : filled.view();
   const Fit fit = own && english && remedy != known.next ? Fit::kMayCut : Fit::kMust;
   y = sheet.page.paragraph(body.from_row(y - body.y + sheet.px(2)), remedy, sheet.bold(ink::kText, fit)) + sheet.px(4);
   const PixelBox rest = body.from_row(y - body.y);

@@ -283,6 +283,9 @@ function showFacts() {
     const left = state.machine.resin_ml;
     rows.push([words.resinLeft, left === null ? words.resinUnknown : `${number(left, 1)} ml`]);
   }
+  const warm = Object.entries(state.temperatures_c || {}).filter(([, degrees]) => degrees !== null);
+  if (warm.length && !slicing) rows.push([words.temperatures, warm.map(([what, degrees]) => `${words.warm[what]} ${number(degrees, 0)} °C`).join(", ")]);
+  if (state.address && !isRunning()) rows.push([words.address, state.address]);
   fill($("facts"), rows, () => rows.flatMap(([name, value]) => [element("dt", name), element("dd", value)]));
 }
 function showNow() {
@@ -724,7 +727,7 @@ function showFindings() {
         buttons.append(where);
       }
       for (const {key, value} of mends ? one.remedies : []) {
-        const mend = element("button", `${words[`mend_${key}`]}${["units", "height", "width", "depth", "length"].includes(key) ? ` ${value.replace("mm", " mm").trim()}` : ""}`,
+        const mend = element("button", `${words[`mend_${key}`]}${["units", "height", "width", "depth", "length"].includes(key) ? ` ${value === "in" ? words.inches : value.replace(/(\d)mm/, "$1 mm")}` : ""}`,
                              {type: "button", class: "main", "data-key": key});
         mend.onclick = () => command({do: "set", key, value, ...jobId() && {for: jobId()}});
         buttons.append(mend);
