@@ -273,10 +273,9 @@ TEST(Daemon, SaysThatAnObjectIsSuspiciouslySmall) {
   rig.plant.plug_stick(rig.stick());
   rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
   ASSERT_TRUE(rig.run());
-  EXPECT_THAT(
-      rig.user.said,
-      Contains(HasSubstr(
-          "the object is only 2 mm long. If that is wrong, choose a height under Settings, or set units = \"m\"")));
+  EXPECT_THAT(rig.user.said,
+              Contains(HasSubstr(
+                  "the object is only 2 mm long. If that is wrong, choose a height or its unit under Settings.")));
 }
 
 TEST(Daemon, LetsTheUserChooseAScanWithTheButtons) {

@@ -479,7 +479,7 @@ class Daemon(Program):
         self.put_stick("a.ply", job='[job]\nscan = "a.ply"\n[placement]\nscale = 1000\n')
         said = self.until(daemon, "PL-105")
         self.assertNotIn("--", said)
-        self.assertIn("job.toml", said)
+        self.assertIn("Under Settings", said)
         shutil.rmtree(self.stick)
         time.sleep(0.3)
         self.put_stick("a.ply")

@@ -525,7 +525,7 @@ TEST(Screens, EachRemedyFits) {
                                                                                    {"length", "1240.15mm"}}};
   for (const auto& [key, value] : kAll) {
     SCOPED_TRACE(key);
-    expect_all_fit([&](PrinterRecord& record, ScreenView& view) {
+    expect_all_fit([&, key = key, value = value](PrinterRecord& record, ScreenView& view) {
       fill_in(record, kOffered);
       record.sliced = a_sliced_job();
       Remedies remedies;

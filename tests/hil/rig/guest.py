@@ -12,13 +12,13 @@ SOURCE = HERE.parents[2]
 
 # Root packages of the guest's system; apt-get adds what they depend on.
 PACKAGES = (
-    "busybox-static udev libgomp1 libstdc++6 libdrm2 libgpiod2 libusb-1.0-0 libexpat1 zlib1g libspng0 libminizip1 libfreetype6 "
+    "busybox-static udev libgomp1 libstdc++6 libdrm2 libgpiod2 libusb-1.0-0 libexpat1 zlib1g libspng0 libminizip1 libfreetype6 libqrencode4 "
     "libseccomp2"
 ).split()
 # Of the guest whose first process is systemd; dpkg installs plumbline's package there.
 SYSTEMD_PACKAGES = (
     "busybox-static base-files base-passwd coreutils dash dbus dpkg grep libc-bin mount passwd sed systemd systemd-sysv tar udev util-linux "
-    "libgomp1 libstdc++6 libdrm2 libgpiod2 libusb-1.0-0 libexpat1 zlib1g libspng0 libminizip1 libfreetype6 "
+    "libgomp1 libstdc++6 libdrm2 libgpiod2 libusb-1.0-0 libexpat1 zlib1g libspng0 libminizip1 libfreetype6 libqrencode4 "
     "libseccomp2"
 ).split()
 KERNEL = {"arm64": "arm64", "armhf": "armmp"}
