@@ -25,7 +25,7 @@ namespace {
 
 /// Touches more stack than any job uses, so that no job adds pages to it, and to the locked memory, after "ready".
 [[gnu::noinline]] void grow_stack() {
-  constexpr std::size_t kBytes = std::size_t{384} * 1024;
+  constexpr std::size_t kBytes = std::size_t{512} * 1024;
   constexpr std::size_t kPage = 4096;
   std::array<volatile char, kBytes> pages;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   for (std::size_t i = 0; i < kBytes; i += kPage) pages[i] = 0;
