@@ -434,7 +434,8 @@ function makePartView(canvas, say) {
       if (url) load(url).catch(() => { if (url === wanted) say(null); });
     },
     plane(mm) {
-      if (mm !== plane) moved();
+      if (mm === plane) return;
+      moved();
       plane = mm;
       draw();
     },
