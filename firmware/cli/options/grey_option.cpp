@@ -7,11 +7,12 @@ namespace plumbline::firmware {
 
 CLI::Option* add_grey_option(CLI::App& app, std::string& grey) {
   return app
-      .add_option("--grey", grey,
-                  "off: pixels are black or white; vertical: they are grey where the object begins, so that "
-                   "undersides lie between the heights of layers; full: also where walls pass through them, so that "
-                   "these lie between pixels. Takes a panel with grey_levels, or one with grey_exposures, which shows such "
-                   "a layer in several exposures [the profile's, or off]")
+      .add_option(
+          "--grey", grey,
+          "off: pixels are black or white; vertical: they are grey where the object begins, so that "
+          "undersides lie between the heights of layers; full: also where walls pass through them, so that "
+          "these lie between pixels. Takes a panel with grey_levels, or one with grey_exposures, which shows such "
+          "a layer in several exposures [the profile's, or off]")
       ->type_name("KIND")
       ->check(CLI::IsMember(std::vector<std::string>(kGreyWords.begin(), kGreyWords.end())));
 }
