@@ -444,9 +444,8 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
             options.exposure_test = *test;
           },
           "2 to 8 exposures instead of exposure_time, ascending, such as 1.6s,2s,2.4s: the object is divided along x "
-          "in "
-          "as many strips of equal width, the shortest first. Bottom layers are exposed as ever, faded ones as for the "
-          "longest")
+          "in as many strips of equal width, the shortest first. Bottom layers are exposed as ever, faded ones as for "
+          "the longest")
       ->type_name("TIMES")
       ->excludes(resume)
       ->group(kPrint);

@@ -93,21 +93,19 @@ Expected<std::span<std::uint8_t>> draw_thumbnail(const RRep& rrep, const Support
 }
 
 void draw_layer_picture(ConstBitImage mask, const PartBox& part, LayerPicture& picture) {
-  MaskSquares squares{.columns = mask.columns(), .rows = mask.rows()};  // pixels, for now
+  PartBox shown{0, 0, mask.columns(), mask.rows()};
   if (part.columns > 0 && part.rows > 0 && part.column < mask.columns() && part.row < mask.rows()) {
     const std::uint32_t wide = std::min(part.columns, mask.columns()), deep = std::min(part.rows, mask.rows());
     const std::uint32_t around = std::max(wide, deep) / 12;
-    squares.column = part.column - std::min(part.column, around);
-    squares.row = part.row - std::min(part.row, around);
-    squares.columns = std::min(wide + 2 * around, mask.columns() - squares.column);
-    squares.rows = std::min(deep + 2 * around, mask.rows() - squares.row);
+    shown.column = part.column - std::min(part.column, around);
+    shown.row = part.row - std::min(part.row, around);
+    shown.columns = std::min(wide + 2 * around, mask.columns() - shown.column);
+    shown.rows = std::min(deep + 2 * around, mask.rows() - shown.row);
   }
-  // At most 64, since a grid has at most 16384 pixels a side.
-  const std::uint32_t side =
-      (std::max(squares.columns, squares.rows) + LayerPicture::kMostColumns - 1) / LayerPicture::kMostColumns;
-  squares.side = side;
-  picture.columns = squares.columns = (squares.columns + side - 1) / side;
-  picture.rows = squares.rows = (squares.rows + side - 1) / side;
+  const MaskSquares squares =
+      squares_of(shown.column, shown.row, shown.columns, shown.rows, LayerPicture::kMostColumns);
+  picture.columns = squares.columns;
+  picture.rows = squares.rows;
   const std::span<std::uint8_t> out = picture.bytes();
   for_each_square(
       mask, squares, [&](std::uint32_t row, std::size_t word) { return mask.row(row)[word]; },

@@ -1,24 +1,20 @@
 #include "firmware/pictures/mask_window.hpp"
 
 #include <algorithm>
-#include <array>
-
-#include "firmware/pictures/mask_squares.hpp"
 
 namespace plumbline::firmware::inline pictures {
 
 void draw_mask_window(ConstBitImage mask, std::span<const GreyRun> greys, ConstBitImage section,
                       const MaskWindow& window, MaskPicture& picture) {
   picture.clear();
-  constexpr std::uint32_t kMost = MaskPicture::kMostColumns;
-  const std::uint32_t step =
-      window.step > 0 ? std::min(window.step, 64U) : (std::max(mask.columns(), mask.rows()) + kMost - 1) / kMost;
   if (window.column >= mask.columns() || window.row >= mask.rows()) return;
-  const auto squares = [&](std::uint32_t from, std::uint32_t end) {
-    return std::min((end - from + step - 1) / step, kMost);
-  };
-  const MaskSquares part{window.column, window.row, step, squares(window.column, mask.columns()),
-                         squares(window.row, mask.rows())};
+  const std::uint32_t columns = mask.columns() - window.column, rows = mask.rows() - window.row;
+  MaskSquares part = squares_of(window.column, window.row, columns, rows, MaskSquares::kMost);
+  if (window.step > 0) {
+    part.side = std::min(window.step, 64U);
+    part.columns = std::min((columns + part.side - 1) / part.side, MaskSquares::kMost);
+    part.rows = std::min((rows + part.side - 1) / part.side, MaskSquares::kMost);
+  }
   picture.columns = part.columns;
   picture.rows = part.rows;
   const auto out = picture.bytes();
@@ -42,11 +38,11 @@ void draw_mask_window(ConstBitImage mask, std::span<const GreyRun> greys, ConstB
   }
   for (const GreyRun& run : greys) {
     const std::uint32_t row = run.pixel / mask.columns(), first = run.pixel % mask.columns();
-    if (row < part.row || (row - part.row) / step >= part.rows) continue;
+    if (row < part.row || (row - part.row) / part.side >= part.rows) continue;
     for (std::uint32_t column = std::max(first, part.column); column < first + run.count; ++column) {
-      const std::uint32_t x = (column - part.column) / step;
+      const std::uint32_t x = (column - part.column) / part.side;
       if (x >= part.columns) break;
-      const std::uint32_t y = (row - part.row) / step;
+      const std::uint32_t y = (row - part.row) / part.side;
       const std::uint32_t pixels = part.pixels(mask, x, y);
       const int more = (int{run.level} - (mask.at(column, row) ? 255 : 0)) / static_cast<int>(pixels);
       std::uint8_t& light = out[at(x, y)];

@@ -105,8 +105,15 @@ void draw_finding(const Sheet& sheet, const PixelBox& box) {
 }
 
 int draw_message(const Sheet& sheet, const PixelBox& box, std::string_view large, std::string_view plain) {
-  int y = sheet.page.paragraph(box, large, sheet.large()) + sheet.px(4);
-  if (!plain.empty()) y = sheet.page.paragraph(box.from_row(y - box.y), plain, sheet.plain(ink::kPale));
+  const Look& look = sheet.look();
+  const auto rows = [&](std::string_view text, const Face& face) {
+    return Page::lines_of(text, box.width, face) * face.line_height();
+  };
+  const int rows_below = plain.empty() ? 0 : sheet.px(4) + rows(plain, look.plain);
+  const Face& face = rows(large, look.large) + rows_below <= box.height ? look.large : look.bold;
+  int y = sheet.page.paragraph(box, large, {face}) + sheet.px(4);
+  const bool fits = rows(large, face) + rows_below <= box.height;
+  if (rows_below > 0 && fits) y = sheet.page.paragraph(box.from_row(y - box.y), plain, sheet.plain(ink::kPale));
   return y;
 }
 

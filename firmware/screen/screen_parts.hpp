@@ -86,7 +86,7 @@ void draw_finding(const Sheet& sheet, const PixelBox& box);
 /// The same text, as long as it is: "1/2 ⚠ ..."
 using FindingText = FixedText<512>;
 FindingText finding_text(const Sheet& sheet);
-/// Large text, and below it plain text.
+/// Large text, and below it plain text. Without room for both the first is smaller, then the second is left out.
 /// @returns y below both
 int draw_message(const Sheet& sheet, const PixelBox& box, std::string_view large, std::string_view plain);
 

@@ -55,10 +55,6 @@ void draw_hint(const Sheet& sheet, const PixelBox& box, const JobRecord& job) {
   sheet.page.paragraph(box, text.view(), sheet.plain(ink::kPale, Fit::kMayCut));
 }
 
-}  // namespace
-
-namespace {
-
 ShortText resin_text(const Sheet& sheet, const MachineRecord& machine) {
   if (!machine.resin_ml()) return {};
   return filled_in(sheet.say(Words::kResinLeft), decimal(*machine.resin_ml(), 1, sheet.language).c_str());
@@ -100,17 +96,6 @@ PixelBox draw_address(const Sheet& sheet, const PixelBox& body) {
   return left.top_rows(left.height - rows);
 }
 
-/// What to do, as large as fits, and what else there is to say, if there is room.
-void draw_what_to_do(const Sheet& sheet, const PixelBox& box, std::string_view what, std::string_view more) {
-  const Look& look = sheet.look();
-  const auto rows = [&](const Face& face) { return Page::lines_of(what, box.width, face) * face.line_height(); };
-  const int rows_more = sheet.px(4) + Page::lines_of(more, box.width, look.plain) * look.plain.line_height();
-  const Face& face = rows(look.large) + rows_more <= box.height ? look.large : look.bold;
-  const int y = sheet.page.paragraph(box, what, {face}) + sheet.px(4);
-  const PixelBox rest = box.from_row(y - box.y);
-  if (rows(face) + rows_more <= box.height) sheet.page.paragraph(rest, more, sheet.plain(ink::kPale));
-}
-
 }  // namespace
 
 void draw_idle(const Sheet& sheet) {
@@ -126,11 +111,11 @@ void draw_idle(const Sheet& sheet) {
   }
   body = draw_address(sheet, body);
   if (sheet.record.has_stick) {
-    draw_what_to_do(sheet, body, sheet.say(Words::kStickIsIn), sheet.say(Words::kShowAgain));
+    draw_message(sheet, body, sheet.say(Words::kStickIsIn), sheet.say(Words::kShowAgain));
   } else {
     const bool has_upload = takes(sheet.record, Command::kOffer);
-    draw_what_to_do(sheet, body, sheet.say(Words::kPlugIn),
-                    sheet.say(has_upload ? Words::kShowUpload : Words::kScanKinds));
+    draw_message(sheet, body, sheet.say(Words::kPlugIn),
+                 sheet.say(has_upload ? Words::kShowUpload : Words::kScanKinds));
   }
 }
 

@@ -7,7 +7,8 @@
 // @param tapped  called with the pixel of the mask that somebody taps, from its corner
 function makeLayerView(canvas, address, told, tapped) {
   const to = canvas.getContext("2d"), most = 640, kept = new Map();
-  let pixels = [1, 1], layer = 0, middle = [0, 0], scale = 1, least = 1, ghost = true, marks = [], asked = null, missing = null, shown = null, dirty = false;
+  let pixels = [1, 1], layer = 0, ghost = true, marks = [], asked = null, missing = null, shown = null;
+  let middle = [0, 0], scale = 1, near = false;  // near: somebody looks at a part, and not at all of it
 
   // Mask pixels that are in sight, and how many of them a pixel of the picture stands for.
   function windowNow() {
@@ -61,16 +62,13 @@ function makeLayerView(canvas, address, told, tapped) {
     sheet.getContext("2d").putImageData(image, 0, 0);
     return sheet;
   }
-  function draw() {
-    if (dirty) return;
-    dirty = true;
-    requestAnimationFrame(() => { dirty = false; drawNow(); });
-  }
+  const least = () => Math.min(canvas.clientWidth / pixels[0], canvas.clientHeight / pixels[1]);
+  const draw = onceAFrame(drawNow);
   function drawNow() {
     const ratio = window.devicePixelRatio || 1, wide = canvas.clientWidth, tall = canvas.clientHeight;
-    if (!wide || !pixels[0]) return;
-    const fits = Math.min(wide / pixels[0], tall / pixels[1]);
-    if (least !== fits) [scale, least] = [scale === least ? fits : scale, fits];
+    if (!wide) return;
+    near = near && scale > least();
+    if (!near) [scale, middle] = [least(), pixels.map((side) => side / 2)];
     if (canvas.width !== Math.round(wide * ratio) || canvas.height !== Math.round(tall * ratio)) Object.assign(canvas, {width: Math.round(wide * ratio), height: Math.round(tall * ratio)});
     to.setTransform(ratio, 0, 0, ratio, 0, 0);
     to.fillStyle = "#141a21";
@@ -79,10 +77,10 @@ function makeLayerView(canvas, address, told, tapped) {
     to.fillStyle = "#000";
     to.fillRect(...at(0, 0), pixels[0] * scale, pixels[1] * scale);
     const part = windowNow(), now = kept.get(keyOf(layer, part)), below = ghost ? kept.get(keyOf(layer - 1, part)) : null;
-    if (now) shown = {sheet: paint(now, below), ...now};
+    if (now && (!shown || shown.now !== now || shown.below !== below)) shown = {now, below, sheet: paint(now, below)};
     to.imageSmoothingEnabled = false;
     if (shown) {
-      const {x, y, step} = shown.part, [left, top] = at(x, y);
+      const {x, y, step} = shown.now.part, [left, top] = at(x, y);
       to.drawImage(shown.sheet, left, top, shown.sheet.width * step * scale, shown.sheet.height * step * scale);
     }
     if (now) told(true);
@@ -97,58 +95,30 @@ function makeLayerView(canvas, address, told, tapped) {
     }
     load();
   }
-  function zoomBy(factor, x = canvas.clientWidth / 2, y = canvas.clientHeight / 2) {
-    const next = Math.max(least, Math.min(40, scale * factor));
-    const from = [x - canvas.clientWidth / 2, y - canvas.clientHeight / 2];
-    middle = [0, 1].map((axis) => middle[axis] + from[axis] / scale - from[axis] / next);
-    scale = next;
-    keepInside();
-  }
-  function keepInside() {
-    middle = [0, 1].map((axis) => Math.max(0, Math.min(pixels[axis], middle[axis])));
-    if (scale === least) middle = pixels.map((side) => side / 2);
+  function lookAt(place, closer) {
+    middle = place.map((value, axis) => Math.max(0, Math.min(pixels[axis], value)));
+    scale = Math.min(40, closer);
+    near = true;
     draw();
   }
-  const fingers = new Map();
-  let moved = 0;
-  canvas.onpointerdown = (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
-    moved = 0;
-  };
-  canvas.onpointerup = canvas.onpointercancel = (event) => {
-    fingers.delete(event.pointerId);
-    if (event.type !== "pointerup" || moved > 6 || fingers.size) return;
-    const place = [event.offsetX - canvas.clientWidth / 2, event.offsetY - canvas.clientHeight / 2].map((by, axis) => middle[axis] + by / scale);
+  function zoomBy(factor, x = canvas.clientWidth / 2, y = canvas.clientHeight / 2) {
+    const next = Math.max(least(), Math.min(40, scale * factor)), from = [x - canvas.clientWidth / 2, y - canvas.clientHeight / 2];
+    lookAt(middle.map((value, axis) => value + from[axis] / scale - from[axis] / next), next);
+  }
+  const moveBy = (by) => lookAt(middle.map((value, axis) => value - by[axis] / scale), scale);
+  function tap(x, y) {
+    const place = [x - canvas.clientWidth / 2, y - canvas.clientHeight / 2].map((by, axis) => middle[axis] + by / scale);
     if (place.every((value, axis) => value >= 0 && value < pixels[axis])) tapped(place);
-  };
-  canvas.onpointermove = (event) => {
-    const from = fingers.get(event.pointerId);
-    if (!from) return;
-    const now = [event.offsetX, event.offsetY], by = [now[0] - from[0], now[1] - from[1]], other = [...fingers].find(([id]) => id !== event.pointerId);
-    moved += Math.hypot(...by);
-    fingers.set(event.pointerId, now);
-    if (other) {
-      const apart = (p) => Math.hypot(p[0] - other[1][0], p[1] - other[1][1]) || 1;
-      zoomBy(apart(now) / apart(from), (now[0] + other[1][0]) / 2, (now[1] + other[1][1]) / 2);
-    }
-    middle = [0, 1].map((axis) => middle[axis] - by[axis] / scale / (other ? 2 : 1));
-    keepInside();
-  };
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    zoomBy(Math.exp(-event.deltaY * 0.002), event.offsetX, event.offsetY);
-  }, {passive: false});
+  }
+  const showAll = () => { near = false; draw(); };
+  listenToGestures(canvas, {drag: moveBy, move: moveBy, zoom: zoomBy, tap});
   canvas.onkeydown = (event) => {
-    const [x, y] = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key] || [0, 0];
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (x || y) middle = [middle[0] + 40 * x / scale, middle[1] + 40 * y / scale];
-    else if (event.key === "+" || event.key === "=") zoomBy(1.5);
-    else if (event.key === "-") zoomBy(1 / 1.5);
-    else if (event.key === "Home") scale = least;
+    const {by, factor, home} = keyGesture(event) || {};
+    if (by) moveBy([-40 * by[0], 40 * by[1]]);
+    else if (factor) zoomBy(factor * factor);
+    else if (home) showAll();
     else return;
     event.preventDefault();
-    keepInside();
   };
   new ResizeObserver(draw).observe(canvas);
 
@@ -158,9 +128,7 @@ function makeLayerView(canvas, address, told, tapped) {
       kept.clear();
       asked = shown = missing = null;
       pixels = of;
-      scale = least;
-      middle = pixels.map((side) => side / 2);
-      draw();
+      showAll();
     },
     show(n) {
       layer = n;
@@ -169,27 +137,18 @@ function makeLayerView(canvas, address, told, tapped) {
     },
     // Looks at a part of the panel, [first, end] across and along, unless somebody has looked closer.
     fit(box) {
-      if (scale !== least || !canvas.clientWidth) return;
+      if (near || !canvas.clientWidth) return;
       const room = box.map(([first, end], axis) => [canvas.clientWidth, canvas.clientHeight][axis] / (1.2 * (end - first)));
-      scale = Math.max(least * 1.001, Math.min(40, ...room));
-      middle = box.map(([first, end]) => (first + end) / 2);
-      keepInside();
+      lookAt(box.map(([first, end]) => (first + end) / 2), Math.min(...room));
     },
     // Looks closely at a pixel.
-    lookAt(x, y) {
-      scale = Math.max(scale, 2);
-      middle = [x, y];
-      keepInside();
-    },
+    lookAt(x, y) { lookAt([x, y], Math.max(scale, 2)); },
     ghost(on) { ghost = on; draw(); },
     marks(list) { marks = list; draw(); },
-    // What of the layer is in sight, for tests: its number, light and the share of supports.
-    facts() {
-      const now = kept.get(keyOf(layer, windowNow()));
-      if (!now) return null;
-      let light = 0, supports = 0;
-      for (let i = 0; i < now.data.data.length; i += 4) [light, supports] = [light + now.data.data[i], supports + now.data.data[i + 1]];
-      return {layer, light, supports, scale, ...now.part};
+    // What of the layer is in sight; null: it has not come yet.
+    now() {
+      const found = kept.get(keyOf(layer, windowNow()));
+      return found ? {layer, scale, ...found.part, data: found.data.data} : null;
     },
   };
 }

@@ -375,11 +375,11 @@ const view = makePartView($("view"), (text) => {
   if (!$("layers").hidden) layerView.fit(view.box.map((ends, axis) => ends.map((mm) => mm / state.sliced.mask_pixel_mm[axis])));
 });
 for (const [id, yaw, pitch] of [["from-front", 0, 0], ["from-left", -Math.PI / 2, 0], ["from-above", 0, Math.PI / 2]]) $(id).onclick = () => view.look(yaw, pitch);
-const inside = (id) => $(id).querySelector("input");
-inside("with-supports").onchange = () => view.supports(inside("with-supports").checked);
-inside("with-colours").onchange = () => {
-  view.colours(inside("with-colours").checked);
-  $("part").querySelector(".legend").hidden = !inside("with-colours").checked;
+const boxIn = (id) => $(id).querySelector("input");
+boxIn("with-supports").onchange = () => view.supports(boxIn("with-supports").checked);
+boxIn("with-colours").onchange = () => {
+  view.colours(boxIn("with-colours").checked);
+  $("part").querySelector(".legend").hidden = !boxIn("with-colours").checked;
 };
 function showPart() {
   const of = view && state.pictures && state.pictures.part ? `/part?${ofJob()}of=${state.pictures.part}` : null;
@@ -419,7 +419,7 @@ function showLayer(cuts) {
 }
 let layersOf = null;
 $("layer").oninput = () => showLayer(true);
-inside("with-ghost").onchange = () => layerView.ghost(inside("with-ghost").checked);
+boxIn("with-ghost").onchange = () => layerView.ghost(boxIn("with-ghost").checked);
 // Supports by hand: a tap on the mask is a place of the print, which becomes one of the job's lists. The printer then slices anew.
 const lists = {support_at: words.supportsAdded, no_support_at: words.supportsBlocked};
 const listOf = (key) => state.job && state.job.support_values[key] || [];
@@ -713,6 +713,12 @@ function showPlace(which) {
 }
 $("place-before").onclick = () => showPlace(placeAt - 1);
 $("place-next").onclick = () => showPlace(placeAt + 1);
+// "Add supports", "It is in cm", "Make the height 40.15 mm".
+function mendText(key, value) {
+  const said = words[`mend_${key}`];
+  if (key === "units") return `${said} ${value === "in" ? words.inches : value}`;
+  return value.endsWith("mm") ? `${said} ${number(parseFloat(value), 2)} mm` : said;
+}
 function showFindings() {
   const places = placesFound(), mends = state.state === "offered" && Boolean(state.sliced) && state.commands.includes("set");
   $("findings").hidden = state.findings.length === 0;
@@ -727,8 +733,7 @@ function showFindings() {
         buttons.append(where);
       }
       for (const {key, value} of mends ? one.remedies : []) {
-        const mend = element("button", `${words[`mend_${key}`]}${["units", "height", "width", "depth", "length"].includes(key) ? ` ${value === "in" ? words.inches : value.replace(/(\d)mm/, "$1 mm")}` : ""}`,
-                             {type: "button", class: "main", "data-key": key});
+        const mend = element("button", mendText(key, value), {type: "button", class: "main", "data-key": key});
         mend.onclick = () => command({do: "set", key, value, ...jobId() && {for: jobId()}});
         buttons.append(mend);
       }

@@ -62,7 +62,7 @@ function coarser({dims, low, cell}, cells) {
       const to = ((z + 1 >> 1) * of[1] + (y + 1 >> 1)) * of[0];
       for (let x = 1, from = (z * dims[1] + y) * dims[0] + 1; x < dims[0] - 1; ++x, ++from) {
         sums[to + (x + 1 >> 1)] += cells[from] & fullCell;
-        if (cells[from] > out[to + (x + 1 >> 1)]) out[to + (x + 1 >> 1)] = cells[from] & ~fullCell;  // what most of it rests on, or worse
+        out[to + (x + 1 >> 1)] = Math.max(out[to + (x + 1 >> 1)], cells[from] & ~fullCell);  // the worst that any of it rests on
       }
     }
   }
@@ -218,7 +218,7 @@ void main() {
 function makePartView(canvas, say) {
   const gl = canvas.getContext("webgl2", {antialias: true});
   if (!gl) return null;
-  let meshes = [], model = null, wanted = null, dirty = false, plane = null, withSupports = true, colours = false, spots = [];
+  let meshes = [], model = null, wanted = null, plane = null, withSupports = true, colours = false, spots = [];
   let yaw, pitch, zoom, pan;
   const program = gl.createProgram(), place = {};
   for (const [i, type] of [gl.VERTEX_SHADER, gl.FRAGMENT_SHADER].entries()) {
@@ -235,11 +235,13 @@ function makePartView(canvas, say) {
   gl.enable(gl.DEPTH_TEST);
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
 
+  const draw = onceAFrame(drawNow);
   const look = (toYaw, toPitch) => { [yaw, pitch] = [toYaw, toPitch]; draw(); };
   const reset = () => { zoom = 1; pan = [0, 0]; look(0.5, 0.35); };
   function meshOf({places, normals, corners}) {
-    const array = gl.createVertexArray(), buffer = (target, data) => {
-      gl.bindBuffer(target, gl.createBuffer());
+    const array = gl.createVertexArray(), buffers = [], buffer = (target, data) => {
+      buffers.push(gl.createBuffer());
+      gl.bindBuffer(target, buffers.at(-1));
       gl.bufferData(target, data, gl.STATIC_DRAW);
     };
     gl.bindVertexArray(array);
@@ -250,7 +252,7 @@ function makePartView(canvas, say) {
     buffer(gl.ELEMENT_ARRAY_BUFFER, corners);
     gl.enableVertexAttribArray(0);
     gl.enableVertexAttribArray(1);
-    return {array, count: corners.length};
+    return {array, buffers, count: corners.length};
   }
   // A sheet at the height of the layer that is looked at.
   function sheet() {
@@ -268,14 +270,6 @@ function makePartView(canvas, say) {
     const [wide, deep, tall] = model.cell.map((side, axis) => side * (model.dims[axis] - 2)), across = Math.hypot(wide, deep);
     return zoom * Math.min(canvas.width / across, canvas.height / Math.max(0.94 * tall + 0.34 * across, deep)) / 1.06;
   };
-  function draw() {
-    if (dirty) return;
-    dirty = true;
-    requestAnimationFrame(() => {
-      dirty = false;
-      drawNow();
-    });
-  }
   function drawNow() {
     const rough = performance.now() < movesUntil && slow, ratio = Math.min(window.devicePixelRatio || 1, 2) * (rough ? 0.5 : 1);
     const [wide, tall] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * ratio)));
@@ -335,7 +329,10 @@ function makePartView(canvas, say) {
   const sheetBuffer = gl.createBuffer();
 
   function clear() {
-    for (const {array} of meshes) gl.deleteVertexArray(array);
+    for (const {array, buffers} of meshes) {
+      gl.deleteVertexArray(array);
+      buffers.forEach((buffer) => gl.deleteBuffer(buffer));
+    }
     meshes = [];
     model = null;
     draw();
@@ -369,32 +366,6 @@ function makePartView(canvas, say) {
     reset();
   }
 
-  // Mouse, touch and keys.
-  const fingers = new Map();
-  canvas.onpointerdown = (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
-  };
-  canvas.onpointerup = canvas.onpointercancel = (event) => fingers.delete(event.pointerId);
-  canvas.oncontextmenu = (event) => event.preventDefault();
-  canvas.onpointermove = (event) => {
-    const from = fingers.get(event.pointerId);
-    if (!from) return;
-    const to = [event.offsetX, event.offsetY], by = [to[0] - from[0], to[1] - from[1]];
-    const other = [...fingers].find(([id]) => id !== event.pointerId);
-    fingers.set(event.pointerId, to);
-    if (other) {
-      const apart = (p) => Math.hypot(p[0] - other[1][0], p[1] - other[1][1]) || 1;
-      zoomBy(apart(to) / apart(from), (to[0] + other[1][0]) / 2, (to[1] + other[1][1]) / 2);
-      pan = [pan[0] + by[0] / 2, pan[1] + by[1] / 2];
-      draw();
-    } else if (event.buttons > 1 || event.shiftKey) {
-      pan = [pan[0] + by[0], pan[1] + by[1]];
-      draw();
-    } else {
-      turnBy(-by[0] * 0.01, by[1] * 0.01);
-    }
-  };
   const turnBy = (byYaw, byPitch) => moved() || look(yaw + byYaw, Math.max(-Math.PI / 2, Math.min(Math.PI / 2, pitch + byPitch)));
   function zoomBy(factor, x = canvas.clientWidth / 2, y = canvas.clientHeight / 2) {
     const next = Math.max(0.5, Math.min(40, zoom * factor)), by = next / zoom;
@@ -404,22 +375,23 @@ function makePartView(canvas, say) {
     moved();
     draw();
   }
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    zoomBy(Math.exp(-event.deltaY * 0.0015), event.offsetX, event.offsetY);
-  }, {passive: false});
+  function panBy(by) {
+    pan = [pan[0] + by[0], pan[1] + by[1]];
+    moved();
+    draw();
+  }
+  const drag = (by, event) => event.buttons > 1 || event.shiftKey ? panBy(by) : turnBy(-by[0] * 0.01, by[1] * 0.01);
+  listenToGestures(canvas, {drag, move: panBy, zoom: zoomBy});
+  canvas.oncontextmenu = (event) => event.preventDefault();
   canvas.ondblclick = reset;
   canvas.onkeydown = (event) => {
-    const [x, y] = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key] || [0, 0];
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if ((x || y) && event.shiftKey) pan = [pan[0] + 30 * x, pan[1] - 30 * y];
-    else if (x || y) turnBy(-x * Math.PI / 24, y * Math.PI / 24);
-    else if (event.key === "+" || event.key === "=") zoomBy(1.25);
-    else if (event.key === "-") zoomBy(0.8);
-    else if (event.key === "Home") reset();
+    const {by, factor, home} = keyGesture(event) || {};
+    if (by && event.shiftKey) panBy([30 * by[0], -30 * by[1]]);
+    else if (by) turnBy(-by[0] * Math.PI / 24, by[1] * Math.PI / 24);
+    else if (factor) zoomBy(factor);
+    else if (home) reset();
     else return;
     event.preventDefault();
-    draw();
   };
   canvas.addEventListener("webglcontextrestored", () => location.reload());
   new ResizeObserver(draw).observe(canvas);

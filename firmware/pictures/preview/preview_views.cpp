@@ -128,11 +128,8 @@ Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& sup
     }
     const float across = in_samples(std::max(view.across_mm, view.up_mm));
     smooth_depth(map, scratch, {.across = across, .deep = in_samples(view.deep_mm)});
-    if (paint != nullptr) {
-      shade_depth(map, scratch, picture, view.left, view.top, paint->colours, paint->shadowless);
-    } else {
-      shade_depth(map, scratch, picture, view.left, view.top, kMaterials, kOfSupports);
-    }
+    const auto shadowless = paint != nullptr ? paint->shadowless : std::optional(kOfSupports);
+    shade_depth(map, scratch, picture, view.left, view.top, paint != nullptr ? paint->colours : kMaterials, shadowless);
     return {};
   };
   // All at once would need more memory than most stages of a small job.

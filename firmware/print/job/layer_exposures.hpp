@@ -7,8 +7,8 @@
 ///   elephant's foot                              a normal layer's time for the whole mask, what a bottom layer gets beyond that for the
 ///                                                mask without its outline: an outline has no more light than those above it, and the
 ///                                                rest still holds on to the plate
-///   exposure test                    the shortest exposure for the whole mask, what the second strip gets beyond that for the mask from
-///                                    there on, and so forth
+///   exposure test                                the shortest exposure for the whole mask, what the second strip gets beyond that for the
+///                                                mask from there on, and so forth
 ///
 /// Masks that would be the same are one exposure. A layer without grey or foot is one, as long as it always was.
 

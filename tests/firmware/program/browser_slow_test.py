@@ -48,6 +48,10 @@ return [seen, bad];
 """
 
 
+# The light of what is in sight of a layer, in pixels of the mask.
+LIGHT = "((now) => now.data.reduce((sum, value, i) => i % 4 ? sum : sum + value / 255, 0) * now.step * now.step)"
+
+
 @unittest.skipUnless(CHROMIUM and DRIVER, "no chromium and chromium-driver")
 class BrowserTest(PagePrinter):
     def look(self, name, expected="^$"):
@@ -195,15 +199,14 @@ class BrowserTest(PagePrinter):
         browser.press(ENTER)
         # What would be printed, layer by layer.
         self.until_state("offered", "!document.querySelector('#layers').hidden")
-        first = 1 + browser.until("return layerView.facts()", "a mask")["layer"]
+        first = 1 + browser.until("return layerView.now().layer", "a mask")
         self.tab_to("#layer")
         browser.press(RIGHT, RIGHT, RIGHT)
-        browser.until(f"return layerView.facts().layer === {first + 2}", "the mask of three layers above")
+        browser.until(f"return layerView.now().layer === {first + 2}", "the mask of three layers above")
         # As near as single pixels, by keyboard.
         self.tab_to("#mask")
         browser.press(*"++++++++++++")
-        near = browser.until("const f = layerView.facts(); return f.step === 1 && f.scale > 2 && f", "single pixels")
-        self.assertGreater(near["light"], 0)
+        self.assertGreater(browser.until(f"const now = layerView.now(); return now.step === 1 && now.scale > 2 && {LIGHT}(now)", "single pixels"), 0)
         browser.press(HOME)
         self.assertRegex(browser.run("return document.querySelector('#which').textContent"), rf"^Layer {first + 3} of \d+, \d\.\d0 mm$")
         self.turn_the_part()
@@ -330,7 +333,7 @@ class BrowserTest(PagePrinter):
         before = browser.run("return document.querySelector('#layer').value")
         browser.click("#findings li button:not([data-key])")
         browser.until(f"return document.querySelector('#layer').value !== '{before}'", "its layer")
-        browser.until("return layerView.facts().scale >= 2", "from near")
+        browser.until("return layerView.now().scale >= 2", "from near")
         # Somebody else looks, too.
         (self.dir / "other").mkdir()
         other = Browser(self, self.dir / "other")
@@ -492,7 +495,7 @@ class BrowserTest(PagePrinter):
             user.do("start", **{"for": asked["asks"]})
             return user.until(lambda s: s["state"] == "offered" and s["masks"] and s["commands"], "sliced")
 
-        shown = "const f = layerView.facts(); return f.light * f.step * f.step"
+        shown = f"return {LIGHT}(layerView.now())"
         slice_scan(1)
         a = browser.until(shown, "A's mask")
         # Slider and picture numbers are the same for B after a restart.

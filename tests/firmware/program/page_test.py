@@ -621,9 +621,9 @@ class Page(PagePrinter):
         _, headers, page = self.ask("GET", "/")
         self.assertIn("default-src 'none'", headers["Content-Security-Policy"])
         self.assertIn(b"<!DOCTYPE html>", page)
-        for path in ("/page.js", "/part.js", "/layers.js", "/page.css", "/words.js"):
+        for path in ("/page.js", "/gestures.js", "/part.js", "/layers.js", "/page.css", "/words.js"):
             self.assertIn("charset=utf-8", self.ask("GET", path)[1]["Content-Type"])
-        files = ("/", "/page.js", "/part.js", "/layers.js", "/page.css", "/words.js")
+        files = ("/", "/page.js", "/gestures.js", "/part.js", "/layers.js", "/page.css", "/words.js")
         packed = {path: self.ask("GET", path, headers={"Accept-Encoding": "deflate, gzip, br"}) for path in files}
         for path, (_, headers, data) in packed.items():
             self.assertEqual(headers["Content-Encoding"], "gzip")
