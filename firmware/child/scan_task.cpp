@@ -137,12 +137,9 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
     static_cast<void>(draw_preview_picture(sliced->rrep, sliced->supports, arena, page.pictures.preview));
     static_cast<void>(
         draw_issues_picture(sliced->findings, sliced->rrep, sliced->supports, arena, page.pictures.issues));
+    // Of a mesh all is known.
     static_cast<void>(make_part_model(sliced->rrep, sliced->supports, report.mesh ? ConfidenceMap() : report.confidence,
                                       arena, page.pictures.part));
-    // Of a mesh all is known.
-    if (!report.mesh) {
-      static_cast<void>(draw_coverage_picture(sliced->rrep, report.confidence, arena, page.pictures.coverage));
-    }
   } else {
     hand_back_error(sliced.error(), page.answer);
   }

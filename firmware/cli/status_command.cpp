@@ -58,9 +58,9 @@ CLI::App* add_status_command(CLI::App& app, StatusOptions& options) {
   auto* picture = command
                       ->add_option("--picture", options.picture,
                                    "Write a picture to --output: the preview of what was sliced, where its masks have "
-                                   "issues, the coverage of its surface by the scan, or the layer being printed")
+                                   "issues, or the layer being printed")
                       ->type_name("NAME")
-                      ->check(one_of({"preview", "issues", "coverage", "layer"}));
+                      ->check(one_of({"preview", "issues", "layer"}));
   auto* output =
       command->add_option("-o,--output", options.output, "File for the picture or the report")->type_name("FILE");
   auto* prints = command->add_flag("--prints", options.prints, "List the last prints, newest first");

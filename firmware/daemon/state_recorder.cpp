@@ -68,7 +68,6 @@ void StateRecorder::begin_job() {
 void StateRecorder::previewed(const SlicedPictures& drawn) {
   pictures_->preview_number += take(drawn.preview, pictures_->preview) ? 1 : 0;
   pictures_->issues_number += take(drawn.issues, pictures_->issues) ? 1 : 0;
-  pictures_->coverage_number += take(drawn.coverage, pictures_->coverage) ? 1 : 0;
   const std::uint32_t size = drawn.part.size;
   if (size == 0 || size > PartModel::kMostBytes) return;
   std::copy_n(drawn.part.memory.begin(), size, pictures_->part.memory.begin());

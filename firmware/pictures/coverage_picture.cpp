@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include "firmware/pictures/coverage_survey.hpp"
-#include "firmware/pictures/coverage_views.hpp"
 #include "firmware/pictures/preview/preview_page.hpp"
 #include "firmware/pictures/preview/preview_smoothing.hpp"
 
@@ -36,12 +35,10 @@ void draw_legend(const Picture& picture, const ConfidenceMap& map) {
   }
 }
 
-}  // namespace
-
-Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const ConfidenceMap& map, const Page& page,
-                                                bool named, Arena& arena, const Picture& picture) {
+/// Draws the print from the front, the back, above and below.
+Status draw_views(const RRep& rrep, const ConfidenceMap& map, Arena& arena, const Picture& picture) {
+  constexpr const Page& page = kCoveragePage;
   const ArenaScope scope(arena);
-  draw_background(picture);
   const PrintGrid& grid = rrep.grid;
   Extent extent;
   {
@@ -51,7 +48,7 @@ Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const Confiden
     extent = find_extent(rrep, *words);
   }
   const LabelStyle plain{page_faces().plain, kInk};
-  if (extent.empty()) return PagePart{};
+  if (extent.empty()) return {};
   const CoverageLayout layout = CoverageLayout::of(extent, grid, page);
   const auto in_samples = [&](float mm) { return mm * static_cast<float>(layout.samples_per_mm); };
   std::int64_t left = layout.left;
@@ -75,21 +72,21 @@ Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const Confiden
     for (std::size_t v = 0; v < views.size(); ++v, left += layout.step) {
       smooth_depth(views[v], *scratch, {.across = in_samples(across_mm), .deep = in_samples(deep_mm)});
       shade_depth(views[v], *scratch, picture, left, (std::int64_t{page.top} + page.bottom - height) / 2, kColours);
-      if (!named) continue;
       const std::string_view name = walls ? (v == 0 ? "front" : "back") : (v == 0 ? "above" : "below");
       const std::int64_t spare = std::int64_t{layout.width} - plain.face.width(name);
       draw_text(picture, left + spare / 2, page.bottom + 6, name, plain);
     }
   }
-  const std::uint32_t tall = std::max(layout.height, layout.depth);
-  return PagePart{static_cast<std::uint32_t>(layout.left) - kRim, (page.top + page.bottom - tall) / 2 - kRim,
-                  static_cast<std::uint32_t>(3 * layout.step) + layout.width + 2 * kRim, tall + 2 * kRim};
+  return {};
 }
+
+}  // namespace
 
 Status draw_coverage(const RRep& rrep, const ConfidenceMap& map, std::string_view name, Arena& arena,
                      std::span<std::uint8_t> rgb) {
   const Picture picture{rgb, kPreviewColumns, kPreviewRows};
-  PLUMBLINE_TRY(draw_coverage_views(rrep, map, kCoveragePage, true, arena, picture));
+  draw_background(picture);
+  PLUMBLINE_TRY(draw_views(rrep, map, arena, picture));
   const LabelStyle title{page_faces().title, kInk};
   draw_text(picture, kMargin, 38, title.face.start_of(name, kPreviewColumns - 700), title);
   constexpr std::string_view kAbout = "which parts of the surface were scanned";

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "firmware/pictures/coverage_views.hpp"
 #include "firmware/pictures/mask_squares.hpp"
 #include "firmware/pictures/png.hpp"
 #include "firmware/pictures/preview/preview_views.hpp"
@@ -13,9 +12,8 @@ using namespace preview;
 
 namespace {
 
-// Pages of the pictures' own sizes: a full page that is reduced afterwards costs over ten times as much.
+// A page of the picture's own size: a full page that is reduced afterwards costs over ten times as much.
 constexpr Page kSmallPreview = page_of_views(PreviewPicture::kMostColumns, PreviewPicture::kMostRows, 20);
-constexpr Page kSmallCoverage = page_of_views(CoveragePicture::kMostColumns, CoveragePicture::kMostRows, 20);
 
 /// The largest picture, in the memory of one that may be smaller.
 template <class Small>
@@ -68,15 +66,6 @@ Status draw_preview_picture(const RRep& rrep, const Supports& supports, Arena& a
     const auto bottom = static_cast<std::uint32_t>(at.floor) + kRim;
     keep_part(picture, {left, bottom - at.tall - 2 * kRim, right - left, at.tall + 2 * kRim});
   }
-  return {};
-}
-
-Status draw_coverage_picture(const RRep& rrep, const ConfidenceMap& map, Arena& arena, CoveragePicture& picture) {
-  picture.clear();
-  if (map.empty()) return {};
-  const auto part = draw_coverage_views(rrep, map, kSmallCoverage, false, arena, whole(picture));
-  PLUMBLINE_TRY(part);
-  if (part->columns > 0) keep_part(picture, *part);
   return {};
 }
 

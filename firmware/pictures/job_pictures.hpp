@@ -11,7 +11,6 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/orientation/orientations.hpp"
-#include "slicer/rrep/confidence.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
@@ -34,7 +33,6 @@ struct FixedPicture {
 
 using PreviewPicture = FixedPicture<3, 320, 180>;
 using IssuesPicture = FixedPicture<3, 320, 180>;
-using CoveragePicture = FixedPicture<3, 480, 180>;
 using LayerPicture = FixedPicture<1, 320, 320>;
 using ProposalPicture = FixedPicture<3, 160, 160>;
 /// Of the scan as it lies, then of the best ways up.
@@ -45,15 +43,13 @@ using ScanPicture = FixedPicture<3, 64, 64>;
 
 /// What is drawn of a job when it has been sliced.
 struct SlicedPictures {
-  PreviewPicture preview;    ///< what has been sliced, from three sides
-  IssuesPicture issues;      ///< where the checks have found something
-  CoveragePicture coverage;  ///< which parts of the surface were scanned
-  PartModel part;            ///< what has been sliced, in 3D
+  PreviewPicture preview;  ///< what has been sliced, from three sides
+  IssuesPicture issues;    ///< where the checks have found something
+  PartModel part;          ///< what has been sliced, in 3D
 
   void clear() {
     preview.clear();
     issues.clear();
-    coverage.clear();
     part.clear();
   }
 };
@@ -62,7 +58,7 @@ struct JobPictures : SlicedPictures {
   ProposalPictures proposals;          ///< all of them are there, or none
   std::array<LayerPicture, 2> layers;  ///< the mask of the layer that is printed, and the one that is made next
   std::size_t shown = 0;               ///< of layers
-  std::uint32_t preview_number = 0, issues_number = 0, coverage_number = 0, part_number = 0, layer_number = 0,
+  std::uint32_t preview_number = 0, issues_number = 0, part_number = 0, layer_number = 0,
                 proposal_number = 0;  ///< rise with each new picture
 
   const LayerPicture& layer() const { return layers[shown]; }
@@ -92,13 +88,6 @@ std::size_t preview_picture_bytes(const PrintGrid& grid);
 /// @retval ErrorCode::kOutOfMemory  the arena has no room; there is no picture then
 [[nodiscard]] Status draw_preview_picture(const RRep& rrep, const Supports& supports, Arena& arena,
                                           PreviewPicture& picture);
-
-/// Draws which parts of the surface were scanned, from the front, the back, above and below, without texts.
-/// @param map    of `rrep`; empty, as that of a mesh: there is no picture
-/// @param arena  what it is drawn with is taken from its top and released
-/// @retval ErrorCode::kOutOfMemory  the arena has no room; there is no picture then
-[[nodiscard]] Status draw_coverage_picture(const RRep& rrep, const ConfidenceMap& map, Arena& arena,
-                                           CoveragePicture& picture);
 
 /// Draws a picture of the print in any size: from three sides if it is wider than tall, else from the front.
 /// @param arena  the picture and room to draw it are taken from its top; only the latter is released

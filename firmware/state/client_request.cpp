@@ -63,7 +63,7 @@ Needs needs_of(Command command) {
     case Command::kOpen: return {bit(kFolder), "\"folder\", a number from the list of folders, or 0,"};
     case Command::kSet: return {bit(kKey) | bit(kValue), "\"key\" and \"value\""};
     case Command::kPicture:
-      return {bit(kPicture), "\"picture\", preview, issues, coverage, layer, part, proposal or scan,",
+      return {bit(kPicture), "\"picture\", preview, issues, layer, part, proposal or scan,",
               bit(kPrint) | bit(kFrom) | bit(kProposal) | bit(kScan) | bit(kJob)};
     case Command::kMask:
       return {bit(kLayer), "\"layer\", a number from 0 on,", bit(kJob) | bit(kX) | bit(kY) | bit(kStep)};
@@ -149,7 +149,7 @@ Status store(RequestMember member, const Value& value, ClientRequest& request, s
     case kPicture: {
       const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), value.text);
       if (value.kind != Value::Kind::kText || word == kPictureWords.end()) {
-        return wrong_value("picture", "preview, issues, coverage, layer, part, proposal or scan");
+        return wrong_value("picture", "preview, issues, layer, part, proposal or scan");
       }
       request.picture = static_cast<PictureName>(word - kPictureWords.begin());
       return {};

@@ -25,9 +25,9 @@
 
 namespace plumbline::firmware::inline state {
 
-enum class PictureName : std::uint8_t { kPreview, kIssues, kCoverage, kLayer, kPart, kProposal, kScan };
+enum class PictureName : std::uint8_t { kPreview, kIssues, kLayer, kPart, kProposal, kScan };
 /// In this order.
-inline constexpr std::array<std::string_view, 7> kPictureWords = {"preview", "issues",   "coverage", "layer",
+inline constexpr std::array<std::string_view, 6> kPictureWords = {"preview", "issues",   "layer",
                                                                   "part",    "proposal", "scan"};
 
 struct ClientRequest {

@@ -44,7 +44,6 @@ std::optional<DrawnPicture> drawn_picture(const PrinterRecord& record, PictureNa
   switch (name) {
     case PictureName::kPreview: return drawn_one(pictures.preview, pictures.preview_number);
     case PictureName::kIssues: return drawn_one(pictures.issues, pictures.issues_number);
-    case PictureName::kCoverage: return drawn_one(pictures.coverage, pictures.coverage_number);
     case PictureName::kPart:
       if (!pictures.part.there()) return std::nullopt;
       return DrawnPicture{.bytes = pictures.part.bytes(), .number = pictures.part_number};
@@ -57,8 +56,8 @@ std::optional<DrawnPicture> drawn_picture(const PrinterRecord& record, PictureNa
 
 Expected<PictureLine> PictureLine::create() {
   constexpr std::size_t kMostBytes =
-      std::max({sizeof(PreviewPicture::memory), sizeof(IssuesPicture::memory), sizeof(CoveragePicture::memory),
-                sizeof(LayerPicture::memory), sizeof(ProposalPicture::memory), sizeof(MaskPicture::memory)});
+      std::max({sizeof(PreviewPicture::memory), sizeof(IssuesPicture::memory), sizeof(LayerPicture::memory),
+                sizeof(ProposalPicture::memory), sizeof(MaskPicture::memory)});
   auto encoder = PictureEncoder::create(kMostBytes);
   PLUMBLINE_TRY(encoder);
   PictureLine line(std::move(*encoder));

@@ -345,20 +345,13 @@ $("fault-mend").firstElementChild.onclick = async () => {
 };
 // Numbers begin again when the printer's software does. With the job's id no picture is taken for that of another one.
 const ofJob = () => jobId() ? `job=${jobId()}&` : "";
-// What the colours of the picture of the scanned surface mean.
-function coverageLegend() {
-  const list = element("ul", undefined, {class: "legend"});
-  for (const name of ["scanned", "closed", "underside"]) list.append(element("li", words[name], {class: name}));
-  return list;
-}
 function showPictures() {
-  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && name !== "part" && name !== "proposal" && (name !== "layer" || isRunning()) && !(view && state.pictures.part && ["preview", "coverage", "issues"].includes(name)));
+  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && name !== "part" && name !== "proposal" && (name !== "layer" || isRunning()) && !(view && state.pictures.part && ["preview", "issues"].includes(name)));
   $("pictures").hidden = there.length === 0;
   const names = there.map(([name]) => name);
   fill($("pictures"), names, () => [$("pictures").firstElementChild, ...names.map((name) => {
     const figure = element("figure"), caption = name === "layer" ? words.layerPicture : words[name] || name;
     figure.append(element("img", undefined, {alt: caption, id: `picture-${name}`}), element("figcaption", caption));
-    if (name === "coverage") figure.append(coverageLegend());
     return figure;
   })]);
   for (const [name, value] of there) {
@@ -379,7 +372,7 @@ const boxIn = (id) => $(id).querySelector("input");
 boxIn("with-supports").onchange = () => view.supports(boxIn("with-supports").checked);
 boxIn("with-colours").onchange = () => {
   view.colours(boxIn("with-colours").checked);
-  $("part").querySelector(".legend").hidden = !boxIn("with-colours").checked;
+  $("legend").hidden = !boxIn("with-colours").checked;
 };
 function showPart() {
   const of = view && state.pictures && state.pictures.part ? `/part?${ofJob()}of=${state.pictures.part}` : null;
@@ -867,9 +860,7 @@ function sayWords() {
   for (const [id, text] of [["from-front", words.fromFront], ["from-left", words.fromLeft], ["from-above", words.fromAbove], ["with-supports span", words.supports],
                             ["with-colours span", words.withColours], ["view-hint", words.viewHint]]) put(`#${id}`, text);
   $("view").setAttribute("aria-label", `${words.partTitle}. ${words.viewKeys}`);
-  const legend = coverageLegend();
-  legend.hidden = true;
-  $("part").append(legend);
+  $("legend").append(...["scanned", "closed", "underside"].map((name) => element("li", words[name], {class: name})));
   put("#propose", words.propose);
   put("#send label", words.uploadLabel);
   put("#send button.main", words.uploadDo);

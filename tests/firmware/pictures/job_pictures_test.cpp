@@ -129,67 +129,6 @@ TEST(PreviewPicture, ShowsTheThreeSidesOfABoxAtOneScale) {
   EXPECT_FALSE(picture->there());
 }
 
-/// Pixels in which one channel is far above the other.
-std::size_t count_tinted(const CoveragePicture& picture, std::size_t strong, std::size_t weak) {
-  std::size_t count = 0;
-  for (std::size_t at = 0; at < picture.bytes().size(); at += 3) {
-    count += picture.bytes()[at + strong] > picture.bytes()[at + weak] + 60 ? 1 : 0;
-  }
-  return count;
-}
-
-TEST(CoveragePicture, ShowsTheUndersideBlueAndTheRestAsScanned) {
-  PrintGrid grid;
-  grid.columns = grid.rows = 100;
-  grid.layers = 30;
-  grid.pitch_x_mm = grid.pitch_y_mm = grid.layer_height_mm = 0.1F;
-  const BoxRRep box(grid);
-  std::vector<std::byte> memory(std::size_t{64} << 20U);
-  Arena arena(memory);
-  Box3f bounds;
-  bounds.extend(Vec3f(2, 4, 0));
-  bounds.extend(Vec3f(8, 6, 3));
-  auto map = ConfidenceMap::create(grid, bounds, 0.2F, arena).value();
-  const std::size_t used = arena.used();
-  const auto picture = std::make_unique<CoveragePicture>();
-  for (std::uint32_t r = 40; r < 60; ++r) {
-    for (std::uint32_t c = 20; c < 80; ++c) map.add(c, r, 0, Evidence::kBase);
-  }
-  for (float x = 2; x < 8; x += 0.05F) {
-    for (float y = 4; y < 6; y += 0.05F) map.add_point({x, y, 2.99F});
-  }
-  for (float z = 0.5F; z < 3; z += 0.05F) {
-    for (float x = 2; x < 8; x += 0.05F) {
-      map.add_point({x, 4, z});
-      map.add_point({x, 6, z});
-    }
-  }
-  ASSERT_TRUE(draw_coverage_picture(box.rrep, map, arena, *picture));
-  EXPECT_EQ(arena.used(), used);
-  ASSERT_TRUE(picture->there());
-  EXPECT_EQ(picture->columns, CoveragePicture::kMostColumns);
-  const std::size_t pixels = std::size_t{picture->columns} * picture->rows;
-  const std::size_t blue = count_tinted(*picture, 2, 0), red = count_tinted(*picture, 0, 2);
-  EXPECT_GT(blue, pixels / 40) << "the view from below";
-  EXPECT_LT(blue, pixels / 4);
-  EXPECT_LT(red, blue / 4) << "all else was scanned";
-
-  const auto again = std::make_unique<CoveragePicture>();
-  const int usual = omp_get_max_threads();
-  omp_set_num_threads(3);
-  ASSERT_TRUE(draw_coverage_picture(box.rrep, map, arena, *again));
-  omp_set_num_threads(1);
-  ASSERT_TRUE(draw_coverage_picture(box.rrep, map, arena, *picture));
-  omp_set_num_threads(usual);
-  EXPECT_EQ(again->memory, picture->memory) << "whatever the number of threads";
-
-  ASSERT_TRUE(draw_coverage_picture(box.rrep, {}, arena, *picture));
-  EXPECT_FALSE(picture->there()) << "a mesh has no map";
-  std::vector<std::byte> little(100'000);
-  Arena small(little);
-  EXPECT_FALSE(draw_coverage_picture(box.rrep, map, small, *picture));
-}
-
 // What they are drawn in follows from what is drawn: a page of 1600 x 900 pixels would take 14 MB more, and ten times as long.
 TEST(SmallPictures, AreDrawnAtTheirOwnSize) {
   PrintGrid grid;

@@ -73,7 +73,7 @@ class Page(PagePrinter):
             self.assertEqual(self.ask("GET", path)[0], 400, path)
         preview = self.get("/picture/preview")
         self.assertTrue(preview.startswith(b"\x89PNG"))
-        self.assertTrue(self.get("/picture/coverage").startswith(b"\x89PNG"))
+        self.assertTrue(self.get("/part").startswith(b"PLM1"))
         self.post("/command", {"do": "start"}, headers=token)
         printing = until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2)
         self.assertFalse(printing["masks"])
@@ -380,7 +380,7 @@ class Page(PagePrinter):
         def ask():
             client = Client(self, self.commands)
             names = [{"picture": "scan", "scan": 1}, {"picture": "scan", "scan": 2}, {"picture": "part", "from": 0},
-                     {"picture": "layer"}, {"picture": "preview"}, {"picture": "coverage"}]
+                     {"picture": "layer"}, {"picture": "preview"}]
             while not stop.is_set():
                 reply = client.ask("picture", **names[len(asked) % len(names)])
                 asked.append(reply["ok"])
